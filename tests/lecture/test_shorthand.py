@@ -25,18 +25,12 @@ SCARA = Robot.load("scara-perugia")
 @pytest.mark.parametrize(
     ("text", "meaning"),
     [
-        ("c1", "cos(q1)"),
-        ("s12", "sin(q1 + q2)"),
-        ("c124", "cos(q1 + q2 + q4)"),
-        ("c42", "cos(q4 + q2)"),
-        ("-2*a1*s1**2", "-2*a1*sin(q1)**2"),
-        ("q3*qd1 + qdd2", "q3*qd1 + qdd2"),
-        ("atan2(s1, c1)", "atan2(sin(q1), cos(q1))"),
-        ("sin(q1/2)", "sin(q1/2)"),
-        ("sign(qd1)", "sign(qd1)"),
+        ("c1", "cos(q1)"), ("s12", "sin(q1 + q2)"), ("c124", "cos(q1 + q2 + q4)"), ("c42", "cos(q4 + q2)"),
+        ("-2*a1*s1**2", "-2*a1*sin(q1)**2"), ("q3*qd1 + qdd2", "q3*qd1 + qdd2"),
+        ("atan2(s1, c1)", "atan2(sin(q1), cos(q1))"), ("sin(q1/2)", "sin(q1/2)"), ("sign(qd1)", "sign(qd1)"),
         ("ml1*l1", "ml1*l1"),
     ],
-)
+)  # fmt: skip
 def test_a_formula_of_the_scara_means(text: str, meaning: str) -> None:
     assert to_text(read_formula(text, SCARA)) == meaning
 

@@ -98,21 +98,13 @@ def test_every_name_that_python_can_spell_is_an_attribute(model: Model) -> None:
 @pytest.mark.parametrize(
     ("text", "meanings"),
     [
-        ("V", ["potential", "Cqd"]),
-        ("H", ["T", "B"]),
-        ("P", ["p", "potential"]),
-        ("T_0^4", ["T[0,4]", "T[4,0]"]),
-        ("J_A", ["J_rpy", "J_zyz"]),
-        ("J_analytic", ["J_rpy", "J_zyz"]),
-        ("energy", ["kinetic", "potential"]),
-        ("Jacobean", ["J"]),
-        ("torqe", ["tau"]),
-        ("t", ["T"]),
-        ("foo", ["christoffel"]),
+        ("V", ["potential", "Cqd"]), ("H", ["T", "B"]), ("P", ["p", "potential"]), ("T_0^4", ["T[0,4]", "T[4,0]"]),
+        ("J_A", ["J_rpy", "J_zyz"]), ("J_analytic", ["J_rpy", "J_zyz"]), ("energy", ["kinetic", "potential"]),
+        ("Jacobean", ["J"]), ("torqe", ["tau"]), ("t", ["T"]), ("foo", ["christoffel"]),
         *((text, []) for text in ("T09", "T[1,2,3,4,5]", "A[x]", "A", "A[1,2][1,1]", "B[9,1]", "kinetic[1,1]")),
         *((text, []) for text in ("J_rows[1,7]", "J_rows[2,2]", "detJv", "", "[1]")),
     ],
-)
+)  # fmt: skip
 def test_what_is_not_there_or_unclear_is_refused_with_a_hint(text: str, meanings: list[str], model: Model) -> None:
     with pytest.raises(QuantityError) as refused:
         evaluate(model, text)

@@ -42,27 +42,13 @@ def test_refused_in_one_line_with_file_and_line(name: str, tmp_path: Path) -> No
 @pytest.mark.parametrize(
     ("name", "line", "column"),
     [
-        ("import", 5, 26),
-        ("unknown-key", 12, 1),
-        ("unknown-cell", 5, 28),
-        ("duplicate-key", 13, 1),
-        ("duplicate-parameter", 11, 28),
-        ("wrong-convention", 3, 13),
-        ("missing-type", 6, 5),
-        ("com-two", 9, 21),
-        ("coulomb-three", 10, 36),
-        ("coulomb-signed", 10, 40),
-        ("unused-parameter", 11, 32),
-        ("unknown-runtime", 12, 11),
-        ("tool-scaled", 13, 8),
-        ("negative-mass", 9, 12),
-        ("tabs", 3, 1),
-        ("latin-1", 2, 11),
-        ("cell-octal", 5, 26),
-        ("links-too-few", 9, 3),
-        ("division-by-zero", 5, 26),
+        ("import", 5, 26), ("unknown-key", 12, 1), ("unknown-cell", 5, 28), ("duplicate-key", 13, 1),
+        ("duplicate-parameter", 11, 28), ("wrong-convention", 3, 13), ("missing-type", 6, 5), ("com-two", 9, 21),
+        ("coulomb-three", 10, 36), ("coulomb-signed", 10, 40), ("unused-parameter", 11, 32),
+        ("unknown-runtime", 12, 11), ("tool-scaled", 13, 8), ("negative-mass", 9, 12), ("tabs", 3, 1),
+        ("latin-1", 2, 11), ("cell-octal", 5, 26), ("links-too-few", 9, 3), ("division-by-zero", 5, 26),
     ],
-)
+)  # fmt: skip
 def test_the_place_is_exact(name: str, line: int, column: int, tmp_path: Path) -> None:
     path = tmp_path / "x.yaml"
     path.write_bytes(HOSTILE[name][0])

@@ -45,21 +45,11 @@ def test_a_slip_in_radians_is_remarked_on_at_its_place(row: str, words: str) -> 
 @pytest.mark.parametrize(
     "row",
     [
-        "alpha: pi/2",
-        "alpha: -90*pi/180",
-        "theta: q1 + 3*pi",
-        "alpha: 0.0005",
-        "alpha: 1.2",
-        "alpha: beta",
-        "alpha: 90*beta",
-        "limits: [-2.8973, 2.8973]",
-        "limits: [-1.5708, 1.5708]",
-        "limits: [-6.98, 6.98]",
-        "a: 90",
-        "d: 431.8",
-        "theta: pi/2 - q1",
+        "alpha: pi/2", "alpha: -90*pi/180", "theta: q1 + 3*pi", "alpha: 0.0005", "alpha: 1.2", "alpha: beta",
+        "alpha: 90*beta", "limits: [-2.8973, 2.8973]", "limits: [-1.5708, 1.5708]", "limits: [-6.98, 6.98]", "a: 90",
+        "d: 431.8", "theta: pi/2 - q1",
     ],
-)
+)  # fmt: skip
 def test_what_is_meant_is_not(row: str) -> None:
     assert remarks(row) == []
 

@@ -29,23 +29,13 @@ def read(text: str) -> Fraction:
 @pytest.mark.parametrize(
     ("value", "decimals", "text"),
     [
-        ("1/2", True, "1/2"),
-        ("-3/4", True, "-3/4"),
-        ("1/2", False, "1/2"),
-        ("0.4318", True, "0.4318"),
-        ("23.45", True, "23.45"),
-        ("1/3", True, "1/3"),
-        ("7/16", False, "7/16"),
-        ("7/16", True, "0.4375"),
-        ("123456", True, "123456"),
-        ("1234567", True, "1.23457e6"),
-        ("1129213793321/500000000000", True, "2.25843"),
-        ("1129213793321/500000000000", False, "2.25843"),
-        ("0.00000012345678", True, "1.23457e-7"),
-        ("0.0001", True, "0.0001"),
-        ("0", True, "0"),
+        ("1/2", True, "1/2"), ("-3/4", True, "-3/4"), ("1/2", False, "1/2"), ("0.4318", True, "0.4318"),
+        ("23.45", True, "23.45"), ("1/3", True, "1/3"), ("7/16", False, "7/16"), ("7/16", True, "0.4375"),
+        ("123456", True, "123456"), ("1234567", True, "1.23457e6"), ("1129213793321/500000000000", True, "2.25843"),
+        ("1129213793321/500000000000", False, "2.25843"), ("0.00000012345678", True, "1.23457e-7"),
+        ("0.0001", True, "0.0001"), ("0", True, "0"),
     ],
-)
+)  # fmt: skip
 def test_what_is_exact_and_short_stays_and_the_rest_has_six_digits(value: str, decimals: bool, text: str) -> None:
     assert number_text(Fraction(value), decimals=decimals) == text
 

@@ -26,28 +26,16 @@ def value(expression: Expression, **values: float) -> float:
 @pytest.mark.parametrize(
     ("key", "cell", "converted"),
     [
-        ("alpha", "90", "pi/2"),
-        ("alpha", "-45", "-pi/4"),
-        ("alpha", "180/7", "pi/7"),
-        ("alpha", "beta", "beta"),
-        ("alpha", "beta + 90", "beta + pi/2"),
-        ("alpha", "2*beta - 30", "2*beta - pi/6"),
-        ("alpha", "-(beta + 90)", "-beta - pi/2"),
-        ("alpha", "2*30 + beta/2", "pi/3 + beta/2"),
-        ("alpha", "0", "0"),
-        ("alpha", "90*sin(30)", "sin(pi/6)*pi/2"),
-        ("a", "431.8", "2159/5000"),
-        ("a", "a1", "a1"),
-        ("a", "a1 + 20", "a1 + 1/50"),
-        ("a", "2*a1 - 20", "2*a1 - 1/50"),
-        ("a", "2*(a1 + 20)", "2*a1 + 1/25"),
-        ("a", "sqrt(2)*100", "sqrt(2)/10"),
-        ("a", "100*sin(30)", "sin(pi/6)/10"),
-        ("a", "100*sin(pi/6)", "sin(pi/6)/10"),
-        ("a", "a1*cos(beta + 30)", "a1*cos(beta + pi/6)"),
+        ("alpha", "90", "pi/2"), ("alpha", "-45", "-pi/4"), ("alpha", "180/7", "pi/7"), ("alpha", "beta", "beta"),
+        ("alpha", "beta + 90", "beta + pi/2"), ("alpha", "2*beta - 30", "2*beta - pi/6"),
+        ("alpha", "-(beta + 90)", "-beta - pi/2"), ("alpha", "2*30 + beta/2", "pi/3 + beta/2"), ("alpha", "0", "0"),
+        ("alpha", "90*sin(30)", "sin(pi/6)*pi/2"), ("a", "431.8", "2159/5000"), ("a", "a1", "a1"),
+        ("a", "a1 + 20", "a1 + 1/50"), ("a", "2*a1 - 20", "2*a1 - 1/50"), ("a", "2*(a1 + 20)", "2*a1 + 1/25"),
+        ("a", "sqrt(2)*100", "sqrt(2)/10"), ("a", "100*sin(30)", "sin(pi/6)/10"),
+        ("a", "100*sin(pi/6)", "sin(pi/6)/10"), ("a", "a1*cos(beta + 30)", "a1*cos(beta + pi/6)"),
         ("a", "a1*1.5", "3*a1/2"),
     ],
-)
+)  # fmt: skip
 def test_plain_numbers_are_degrees_in_angles_and_millimetres_in_lengths(key: str, cell: str, converted: str) -> None:
     assert to_text(getattr(robot(f"{{type: revolute, {key}: {cell}}}").joints[0], key)) == converted
 

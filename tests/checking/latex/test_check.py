@@ -156,24 +156,14 @@ def meanings(text: str) -> list[Target]:
 @pytest.mark.parametrize(
     ("text", "quantity"),
     [
-        (r"\mathbf{T}_3^0", "T[0,3]"),
-        (r"T^0_2", "T[0,2]"),
-        (r"^0T_2", "T[0,2]"),
-        (r"^{0}_{2}T", "T[0,2]"),
-        (r"T_e^b", "T"),
-        (r"\mathbf{A}_2^1(q_2)", "A[2]"),
-        (r"^{1}A_{2}", "A[2]"),
-        ("B(q)", "B"),
-        (r"\mathbf{C}(\mathbf{q}, \dot{\mathbf{q}})", "C"),
-        (r"\dot{\mathbf{B}}", "Bdot"),
-        (r"C(q,\dot q)\dot q", "Cqd"),
-        (r"\Gamma_{1,12}", "christoffel[1,1,2]"),
-        (r"\det(\mathbf{J})", "detJ"),
-        (r"\mathbf{J}_v^{\ell_2}", "Jv_com[2]"),
-        (r"J_{\omega_{c2}}", "Jw_com[2]"),
+        (r"\mathbf{T}_3^0", "T[0,3]"), (r"T^0_2", "T[0,2]"), (r"^0T_2", "T[0,2]"), (r"^{0}_{2}T", "T[0,2]"),
+        (r"T_e^b", "T"), (r"\mathbf{A}_2^1(q_2)", "A[2]"), (r"^{1}A_{2}", "A[2]"), ("B(q)", "B"),
+        (r"\mathbf{C}(\mathbf{q}, \dot{\mathbf{q}})", "C"), (r"\dot{\mathbf{B}}", "Bdot"),
+        (r"C(q,\dot q)\dot q", "Cqd"), (r"\Gamma_{1,12}", "christoffel[1,1,2]"), (r"\det(\mathbf{J})", "detJ"),
+        (r"\mathbf{J}_v^{\ell_2}", "Jv_com[2]"), (r"J_{\omega_{c2}}", "Jw_com[2]"),
         (r"\boldsymbol{\phi}_{\mathrm{RPY}}", "rpy"),
     ],
-)
+)  # fmt: skip
 def test_the_likeliest_meaning_comes_first(text: str, quantity: str) -> None:
     assert meanings(text)[0] == Target(quantity)
 
