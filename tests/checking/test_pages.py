@@ -19,7 +19,9 @@ from derive.robot.robot import Robot
 
 FOLDER = Path(__file__).parent
 FILE = yaml.safe_load((FOLDER / "pages.yaml").read_text(encoding="utf-8"))
-FILES = [yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(FOLDER.glob("published/*.yaml"))]
+FILES = [
+    yaml.safe_load(path.read_text(encoding="utf-8")) for path in sorted(FOLDER.glob("published/*.yaml"), reverse=True)
+]
 PUBLISHED = [(file, page) for file in FILES for page in file["pages"]]
 ANT = Robot.from_text(FILE["robots"]["min-ant"])
 
@@ -43,7 +45,7 @@ def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 
 
-@pytest.mark.first(4)
+@pytest.mark.first(8)
 @pytest.mark.parametrize(("file", "page"), PUBLISHED, ids=[page["id"] for _, page in PUBLISHED])
 def test_a_page_that_other_people_published_gets_them_too(file: dict[str, Any], page: dict[str, Any]) -> None:
     assert_true(file, page)

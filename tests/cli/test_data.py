@@ -37,7 +37,7 @@ def test_what_was_found_is_printed_and_written(log: Path) -> None:
     assert "wls, 800 rows; residuals by joint" in accepted(*IDENTIFY, folder=log).stdout
     found = json.loads(accepted(*IDENTIFY, "--json", "--method", "ols", "--add", "none", folder=log).stdout)
     assert (found["method"], found["rows"], len(found["values"]), found["held_out"]) == ("ols", 800, 46, None)
-    accepted("build", "found.yaml", "--effort", "quick", "--only", "--target", "numpy", folder=log)
+    accepted("show", "found.yaml", "B[1,1]", folder=log)
 
 
 @pytest.mark.parametrize(

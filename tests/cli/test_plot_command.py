@@ -7,7 +7,8 @@ import pytest
 
 from derive.cli.main import main
 from derive.errors import install_extra
-from tests.cli.command import PENDULUM, derive_process, refused
+from tests.cli.command import PENDULUM, accepted, derive_process, refused
+from tests.interpreters import another_hash_seed
 
 pytest.importorskip("matplotlib")
 
@@ -25,9 +26,9 @@ def test_figure_is_written_and_the_same_again(suffix: str, tmp_path: Path) -> No
 
 @pytest.mark.parametrize("option", [(), pytest.param(("--workspace",), marks=pytest.mark.sweep)])
 def test_svg_does_not_depend_on_the_process(option: tuple[str, ...], tmp_path: Path) -> None:
-    for index, seed in enumerate(("1", "2")):
-        arguments = ("plot", "scara-perugia", *option, "-o", f"{index}.svg")
-        assert derive_process(*arguments, folder=tmp_path, PYTHONHASHSEED=seed).status == 0
+    arguments = ("plot", "scara-perugia", *option, "-o")
+    accepted(*arguments, "0.svg", folder=tmp_path)
+    assert derive_process(*arguments, "1.svg", folder=tmp_path, PYTHONHASHSEED=another_hash_seed()).status == 0
     assert (tmp_path / "0.svg").read_bytes() == (tmp_path / "1.svg").read_bytes()
 
 

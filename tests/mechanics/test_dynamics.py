@@ -131,7 +131,7 @@ def test_every_small_robot_of_the_catalogue(robot: Robot) -> None:
     check_identity(robot)
 
 
-@pytest.mark.parametrize("seed", seeds(48, usual=8))
+@pytest.mark.parametrize("seed", seeds(48, usual=4))
 def test_random_robots(seed: int) -> None:
     check_identity(Robot.from_text(robot_text(random.Random(seed), 1 + seed % 4)))
 

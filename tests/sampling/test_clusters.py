@@ -34,8 +34,8 @@ def test_a_scheduler_that_does_not_answer_is_told_within_seconds_and_what_follow
     address: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     distributed, dask = pytest.importorskip("distributed"), pytest.importorskip("dask")
-    monkeypatch.setattr(clusters, "PATIENCE", 2)
-    since, said = time.monotonic(), f"no Dask scheduler answers at '{address}' within 2 s; allowed: an address such as"
+    monkeypatch.setattr(clusters, "PATIENCE", 1)
+    since, said = time.monotonic(), f"no Dask scheduler answers at '{address}' within 1 s; allowed: an address such as"
     with pytest.raises(DeriveError, match=said) as held, cluster(scheduler=address):
         pass
     assert time.monotonic() - since < 4
