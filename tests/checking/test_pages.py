@@ -40,7 +40,7 @@ def assert_true(file: dict[str, Any], page: dict[str, Any]) -> None:
 
 
 @pytest.mark.parametrize("page", FILE["pages"], ids=lambda page: page["id"])
-@pytest.mark.first(50)
+@pytest.mark.first(36)
 def test_a_page_gets_the_verdicts_that_are_true(page: dict[str, Any]) -> None:
     assert_true(FILE, page)
 

@@ -30,7 +30,7 @@ from derive.robot.options.handout import HandoutOptions
 from derive.robot.robot import Robot
 from tests.checking.latex.test_formula import read_latex
 from tests.docs.errata import printouts
-from tests.random_robots import chains, swept_catalogue
+from tests.random_robots import catalogue, chains, swept_catalogue
 
 ITEMS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("printed_solutions.yaml").read_text("utf-8"))
 TEXTBOOKS = Path(__file__).parents[1] / "textbooks"
@@ -219,7 +219,7 @@ def test_fragments_of_the_handout_are_read_back(name: str) -> None:
 
 
 @pytest.mark.first(9)
-@pytest.mark.parametrize("name", [name for name in chains() if Robot.load(name).n <= 7])
+@pytest.mark.parametrize("name", [name for name in chains() if catalogue()[name].n <= 7])
 def test_printed_latex_is_read_back(name: str) -> None:
     robot = Robot.load(name)
     model, latex = Model(robot), LatexPrinter(Notation.of(robot)).latex

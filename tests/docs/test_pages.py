@@ -228,6 +228,7 @@ def test_a_notebook_is_valid_and_without_traces_of_a_machine(path: Path) -> None
 
 
 @pytest.mark.parametrize("name", chains())
+@pytest.mark.first(6)
 def test_every_robot_and_model_shows_itself(name: str) -> None:
     robot = Robot.load(name)
     table = robot._repr_html_()

@@ -55,7 +55,10 @@ def cases() -> list[Robot]:
     return [REAL, Robot.from_text(SLIDES), *(robot for robot in map(numbered, (*drawn, *trees)) if robot.links)]
 
 
-@pytest.mark.parametrize("robot", cases(), ids=lambda robot: robot.name)
+CASES = cases()
+
+
+@pytest.mark.parametrize("robot", CASES, ids=lambda robot: robot.name)
 @pytest.mark.first(5)
 def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) -> None:
     unknowns = Unknowns(robot, ("viscous", "coulomb", "armature"))
@@ -77,7 +80,7 @@ def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) 
     assert len(unknowns.formulas) == len(base)
 
 
-@pytest.mark.parametrize("robot", cases(), ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", CASES, ids=lambda robot: robot.name)
 @pytest.mark.first(5)
 def test_the_nearest_robot_has_the_base_parameters_and_reads_back(robot: Robot) -> None:
     unknowns = Unknowns(robot, ("viscous", "coulomb"))

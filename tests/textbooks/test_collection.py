@@ -20,7 +20,7 @@ def examples_of_all() -> list[Example]:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.stem)
-@pytest.mark.first(30)
+@pytest.mark.first(15)
 def test_every_formula_is_right(path: Path) -> None:
     findings = report(path).findings
     assert findings

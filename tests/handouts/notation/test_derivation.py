@@ -19,14 +19,14 @@ from derive.robot.expression import Number
 from derive.robot.robot import Robot
 from tests.inverse.arms import PUBLISHED
 from tests.inverse.closed.test_pool import PLANAR, planar_graph
-from tests.random_robots import chains
+from tests.random_robots import catalogue, chains
 from tests.rows import robot_of_rows
 from tests.workspace.arms import arm
 
 WRITE = PlainPrinter().doprint
 
 
-@pytest.mark.parametrize("name", [name for name in chains() if Robot.load(name).n > 1])
+@pytest.mark.parametrize("name", [name for name in chains() if catalogue()[name].n > 1])
 def test_every_form_has_the_task_all_families_and_whether_they_are_all(name: str) -> None:
     found = Model(Robot.load(name)).singularities
     parts = json.loads(json.dumps(singularities_parts(found, WRITE)))

@@ -20,7 +20,7 @@ from derive.model.singularities.rank import RealZeros, rank_loss
 from derive.model.singularities.singularities import Outcome, Posture, statement
 from derive.robot.robot import Robot
 from tests.model.singularities.singular_arms import SingularArm, arm_text
-from tests.random_robots import chains, random_robot, swept
+from tests.random_robots import catalogue, chains, random_robot, swept
 from tests.rows import robot_of_rows
 
 CATALOGUE = chains()
@@ -42,7 +42,7 @@ def test_the_catalogue_has_the_determinant_of_the_recursion_within_seconds(name:
 
 
 @pytest.mark.first(5)
-@pytest.mark.parametrize("name", [name for name in CATALOGUE if Robot.load(name).n <= 7])
+@pytest.mark.parametrize("name", [name for name in CATALOGUE if catalogue()[name].n <= 7])
 def test_rank_drops_where_it_is_stated_and_nowhere_else(name: str) -> None:
     SingularArm(Robot.load(name)).check(places=200, starts=6)
 

@@ -123,7 +123,7 @@ control: {law: computed-torque, kp: 100, kd: 20}
         ("{x: t**2}", 9.81, 2),
     ],
 )
-@pytest.mark.first(2)
+@pytest.mark.first(1)
 def test_joints_and_base_do_the_work_of_lifting_a_kilogram_on_a_slide(base: str, work: float, given: float) -> None:
     motion = Motion.from_text(SLIDE + f"base: {base}\n")
     run, planned = motion.simulate(), motion.peaks[0]
