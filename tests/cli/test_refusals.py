@@ -118,7 +118,7 @@ move scara-pick-and-place --part sheet.doc
 new ../arm
 new Arm
 new arm --joints 0
-new arm --joints 65
+new arm --joints 257
 new a b => 'b' is an argument too many; see 'derive new --help'
 new b --from scara-perugia --joints 3
 new b --from no-such-robot
