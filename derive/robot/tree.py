@@ -118,6 +118,11 @@ def labels(robot: Description) -> tuple[str, ...]:
     return ("", *(joint.label for joint in robot.joints), *(row.name for row in robot.fixed))
 
 
+def is_row_by_row(robot: Description) -> bool:
+    """Whether frames are numbered as the rows stand: one chain, and what does not move is behind the last joint."""
+    return len(robot.ends) < 2 and rows_to(robot, ends(robot)[0].after) == labels(robot)[1:]
+
+
 def rows_to(robot: Description, label: str) -> tuple[str, ...]:
     """The labels of the rows from frame 0, which is none, to a row, that row included."""
     before, found = antecedents(robot), []

@@ -28,7 +28,7 @@ from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.robot.expression import ZERO, Call, Expression, Name, is_constant, negate, number
 
 MAX_WAYS = 32  # values of one formula that are tried, of each size
-MAX_NAMES = 8  # names of matrices in one formula
+MAX_NAMES = 20  # names of matrices in one formula
 _SCRIPT = r"[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\[a-z]+|\w)"
 _FONTS = r"\\(?:hat|widehat|mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
 _PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?:(?<![A-Za-z\\])|(?<=\^T))[A-Za-z](?![A-Za-z])"
@@ -46,6 +46,7 @@ _ELEMENTARY = re.compile(
     rf"\s*(?:_\s*(?:\{{\s*)?\\?(?:hat\s*\{{)?(?P<axis>[xyzXYZ])\}}?(?:\s*,\s*(?P<below>(?:[^{{}}]|\{{[^{{}}]*\}})+))?\s*\}}?)?"
     rf"\s*(?P<arguments>{_BRACKETS})?"
 )
+_BODY = re.compile("(?:[clCG]|cm)?([1-9])")
 _BRACED = re.compile(r"(?<![_^\w])\{(\s*\^(?:[^{}]|\{[^{}]*\})*)\}")
 _UNIT = re.compile(
     r"(?:\{\s*\}\s*\^\s*(?:\{\s*(?P<seen>[0-9])\s*\}|(?P<from>[0-9]))\s*)?"
@@ -161,6 +162,9 @@ class MatrixNames:
         if left.is_plain and left.head in ("F", "f", "W") and not left.sub and self._meanings.forces:
             forces = [Name(force) if force in self._meanings.forces else ZERO for force in WRENCH]
             return [_table([[e] for e in part]) for part in (forces, forces[:3], forces[:2])]
+        if left.head == "I" and (body := _BODY.fullmatch(left.sub)) and not left.dots:  # of which J^T I J has the sum
+            seen = (f"tensor[{body[1]}]", f"tensor[{body[1]},0]")
+            return [table for name in seen for table in self._of(Target(name, turned=left.turned))]
         # a name that stands for one formula is no matrix; a coordinate of some point may be an axis as well
         known = self._reader.names
         meaning = known.meaning(Symbol(left.flat, 0)) if known.knows(left.flat) else None

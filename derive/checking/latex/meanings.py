@@ -365,7 +365,7 @@ def entry_or_rate(
 ) -> Expression | None:
     """The entry that a name is, or the rate of a name of the text's own."""
     found, of = entry_named(meanings, poses, name), own.get(name.rstrip("'"))
-    if found is None and of is not None and not is_constant(of):
+    if of is not None and not is_constant(of) and (found is None or isinstance(of, Name)):
         return reduce(lambda e, _: derivative(meanings.robot, e, "t"), range(name.count("'")), of)
     return found
 

@@ -9,7 +9,9 @@ from itertools import count
 from derive.checking.formulas.branches import SIGN
 from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
-from derive.robot.expression import Call, Expression, Name, Pi, Sum, add, negate
+from derive.robot import tree
+from derive.robot.description import Convention
+from derive.robot.expression import ZERO, Call, Expression, Name, Pi, Sum, add, is_constant, negate
 from derive.robot.names import acceleration_name, joint_labels, own_names, velocity_name
 from derive.robot.robot import Robot
 
@@ -121,9 +123,20 @@ class LatexNames:
         except CheckError:
             if (match := _ANGLE_SUM.fullmatch(text)) and (terms := sum_of_angles(self.robot, match[2])):
                 return add(*terms)
-            if entry := self.entry(text):
+            if entry := self.entry(text) or self._cell(text):
                 return entry
             raise
+
+    def _cell(self, text: str) -> Expression | None:
+        """The number in the table for which a document prints the usual name of its cell, d_1 or alpha_2."""
+        match = re.fullmatch("(d|a|alpha)([1-9])", text)
+        if match is None or self.signs is None or not tree.is_row_by_row(self.robot):
+            return None
+        # a_1 and alpha_1 are those of the row behind it in modified tables; some authors count them as the row itself
+        row, is_late = int(match[2]) - 1, self.robot.convention is Convention.MODIFIED and match[1] != "d"
+        rows = [*self.robot.joints, *self.robot.fixed]
+        cells = [getattr(one, match[1]) for one in (rows[row + is_late : row + is_late + 1] + rows[row : row + 1])]
+        return next((cell for cell in cells if cell != ZERO and is_constant(cell)), None)
 
     def circular(self, symbol: Symbol) -> str:
         r"""``cos`` or ``sin`` where c or s stands for the function, as in ``c\theta_1``; otherwise empty."""

@@ -24,7 +24,7 @@ from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy
 from derive.model.equality import compare
 from derive.model.model import Model
 from derive.robot.description import Convention
-from derive.robot.expression import Call, Expression, Name, names, substitute
+from derive.robot.expression import Call, Expression, Name, multiply, names, number, substitute
 from derive.robot.names import own_names
 from derive.robot.robot import Robot
 
@@ -227,13 +227,22 @@ class Poses:
         return [reading for reading in self.readings if group is Settled.TURN or not reading.reference]
 
     def _read(self, claim: Claim, reading: PoseReading) -> Finding | None:
-        """The comparison in a reading; None where a side has no value in it."""
+        """The comparison in a reading, of numbers in the units of the file; None where a side has no value in it."""
+        found = self._read_with(claim, reading, reading.values)
+        if self._model.robot.units.millimetres and not (_is_right(found) or (found and found.some)):
+            lengths = (name for name in claim.pose_names if self._names.entries.get(name, (0, 4))[1] == 4)
+            own = {MARK + n: multiply(number(1000), e) for n in lengths if (e := reading.values.get(MARK + n))}
+            again = self._read_with(claim, reading, {**reading.values, **own})
+            found = again if _is_right(again) or (again and again.some) else found
+        return found
+
+    def _read_with(self, claim: Claim, reading: PoseReading, values: Mapping[str, Expression]) -> Finding | None:
         with suppress(CheckError, ArithmeticError):
-            sides = (substitute(e, reading.values) for e in (claim.first, claim.other))
+            sides = (substitute(e, values) for e in (claim.first, claim.other))
             joints = {joint.variable for joint in self._model.robot.movers}
             if not reading.usual and joints.isdisjoint(name for side in sides for name in names(side)):
                 return None  # a reading in which nothing moves explains everything
-            return claim.read(self._model.robot, reading.values)
+            return claim.read(self._model.robot, values)
         return None
 
     def _group(self, claim: Claim) -> Settled:

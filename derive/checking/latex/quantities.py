@@ -14,6 +14,7 @@ from derive.errors import CheckError, QuantityError
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
 from derive.model.quantity_names import of_one_end, parse
+from derive.robot import tree
 from derive.robot.coupling import derivatives
 from derive.robot.description import Convention
 from derive.robot.expression import ZERO, Call
@@ -107,7 +108,7 @@ OF_VELOCITIES = ("bias", "centrifugal", "coriolis")
 OWN = (
     *OF_LINK,
     *("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "task", "centre_task", "base", "tool"),
-    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "momentum"),
+    *("end", "J_at", "in_plane", "J_space", "screw", "body_screw", "momentum", "tensor"),
     *(STATICS := tuple(f"statics{kind}{axes}" for kind in ("", "_force", "_moment") for axes in ("", "_end"))),
     *OF_VELOCITIES,
 )
@@ -132,6 +133,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     """A quantity by its name, in the world; None where it is one of the registry."""
     robot, places = model.robot, list(map(int, re.findall("[0-9]+", name)))
     kind = name.partition("[")[0]
+    if kind in ("tool", "end") and robot.is_tree and tree.is_row_by_row(robot):  # its rows without motion are the tool
+        return model.quantity(f"T[{places[0] if places else model.n},{model.n + len(robot.fixed)}]")
     if robot.is_tree and kind in OWN and kind not in _OF_TREES:
         raise QuantityError(f"{kind} of {robot.name}, whose table is a tree", allowed="allowed: robots of one chain")
     has_jacobian = kind == "twist" or not robot.is_tree
@@ -148,6 +151,8 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
                 return sympy.zeros(3, 1)  # of the base, and of the end effector that nothing holds
             of_link = _of_link(model, kind, link)
             return model.frame(frame)[:3, :3].T * of_link if frame else of_link
+        case "tensor", [link, *base]:  # of inertia about the centre of mass, in the axes of the link or of the base
+            return _tensor(model, link, in_base=bool(base))
         case "J_at", [frame]:  # of the origin of a frame
             return sympy.Matrix(model.frame(frame)[:3, 3]).jacobian(model.q).col_join(jacobian[3:, :])
         case "J_space", _:  # of the point of the end effector that is at the origin (Lynch and Park, section 5.1.1)
@@ -239,12 +244,10 @@ def _of_link(model: Model, kind: str, link: int) -> Matrix:
 def _force_on_link(model: Model, kind: str, link: int) -> Matrix:
     """What moves a link, or what the link before exerts on it, in the base."""
     robot = model.robot
-    body, turn = robot.links[link - 1], model.frame(link)[:3, :3]
     if kind == "inertial_force":  # F = m a_C, with gravity in a_C
-        return expression_to_sympy(body.mass) * _of_link(model, "acceleration_com", link)
+        return expression_to_sympy(robot.links[link - 1].mass) * _of_link(model, "acceleration_com", link)
     if kind == "inertial_moment":  # N = I alpha + omega x I omega
-        rows = [[getattr(body.inertia, min(i + j, j + i)) for j in "xyz"] for i in "xyz"]
-        inertia = turn * sympy.Matrix(3, 3, [expression_to_sympy(cell) for row in rows for cell in row]) * turn.T
+        inertia = _tensor(model, link, in_base=True)
         omega = _of_link(model, "omega", link)
         return inertia * _of_link(model, "alpha", link) + omega.cross(inertia * omega)
     # at the frame of its joint: the sums of F, and of N + r x F, over the links from it on
@@ -255,6 +258,13 @@ def _force_on_link(model: Model, kind: str, link: int) -> Matrix:
         arm = sympy.Matrix(own_quantity(model, f"centre[{k}]")) - joint
         total += force if kind == "joint_force" else _force_on_link(model, "inertial_moment", k) + arm.cross(force)
     return total
+
+
+def _tensor(model: Model, link: int, *, in_base: bool) -> Matrix:
+    inertia, turn = model.robot.links[link - 1].inertia, model.frame(link)[:3, :3]
+    cells = [expression_to_sympy(getattr(inertia, min(i + j, j + i))) for i in "xyz" for j in "xyz"]
+    tensor = sympy.Matrix(3, 3, cells)
+    return turn * tensor * turn.T if in_base else tensor
 
 
 def _held(model: Model, name: str, link: int = 0, frame: int = 0) -> Matrix:

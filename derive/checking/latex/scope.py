@@ -291,7 +291,7 @@ class Scope:
         self.defining: set[int] = set()  # numbers of the equations that only define something
         # sides that are such a name, by the number of the equation and the offset of the side
         self.names: set[tuple[int, int]] = set()
-        self._of_links: dict[str, Expression] = {}
+        self._of_links = whole.renamed(self.equations, self.plain) if self.document else {}  # and of joints
         self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
         several = [(i, e) for i, e in enumerate(self.equations) if e[1:] and not any(whole.factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]

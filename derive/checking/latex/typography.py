@@ -78,7 +78,7 @@ _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m
 _SUPER, _LOWER = r"\^\s*\{?[0-9]\}?\s*", r"_\s*\{?[0-9]\}?\s*"
 _ENTRY = re.compile(
     rf"(?:(?<![A-Za-z\\])R\s*(?:_\s*\{{(?P<pair>[0-9]{{2}})\}}\s*|{_LOWER}{_SUPER}|{_SUPER}{_LOWER})"
-    rf"|(?:\{{\s*\}}\s*|(?<![\w}})\]]))(?:{_LOWER}{_SUPER}|{_SUPER}{_LOWER})(?:R\s*|(?P<small>r\s*_\s*)(?=\{{)))"
+    rf"|(?:\{{\s*\}}\s*|(?<![\w}})\]]))(?:{_LOWER}{_SUPER}|{_SUPER}{_LOWER})(?:R\s*|(?P<small>[rR]\s*_\s*)(?=\{{)))"
     r"[(\[{]\s*(?P<row>[0-3])\s*(?(small),?|(?:,|\]\s*\[))\s*(?P<column>[0-3])\s*[)\]}]"
 )
 _CLAMPED = re.compile(
@@ -140,6 +140,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ").replace("\\&", " ,")
     text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
+    text = re.sub(r"(\\(?:var)?theta) ([1-9])(?![0-9.])", r"\1_\2", text)  # a name, not a product
     text = _POINTED.sub(_times, text)
     text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
     text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
@@ -198,7 +199,7 @@ def _entry(match: re.Match[str], first: int) -> str:
     """An entry of a rotation; first is the number of the first row."""
     frames = match["pair"] or "".join(re.findall(rf"\{mark}\s*\{{?([0-9])", match[0])[0] for mark in "^_")
     row, column = (int(match[name]) + 1 - first for name in ("row", "column"))
-    return f"R_{{{frames},{row}{column}}}".ljust(len(match[0]))
+    return f"R_{{{frames},{row}{column}".ljust(len(match[0]) - 1) + "}"
 
 
 def _times(match: re.Match[str]) -> str:

@@ -14,7 +14,8 @@ import numpy.typing as npt
 
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import Finding
-from derive.checking.latex.equations import Sides
+from derive.checking.latex.equations import Sides, listed
+from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
@@ -164,6 +165,21 @@ def of_every_link(equations: Iterable[Sides], n: int) -> Iterator[tuple[str, Lat
         index = re.compile(rf"(?<=_){left.sub}(?![A-Za-z])|(?<=_\{{){left.sub}(?=\}})|(?<=_\{{[a-z]){left.sub}(?=\}})")
         for link in map(str, range(1, min(n, 9) + 1)) if index.search(others[0].text) else ():  # E_k is no E_1
             yield left.head + link, replace(others[0], text=index.sub(link, others[0].text))
+
+
+def renamed(equations: Iterable[Sides], plain: LatexReader) -> dict[str, Expression]:
+    r"""Joint variables by the author's letters for all of them: ``q = [x; \theta] = [q_1; q_2]``."""
+    joints, found = [Name(joint.variable) for joint in plain.names.robot.movers], dict[str, Expression]()
+    for equation in equations:
+        columns = [s.cells if s.text.strip(AROUND) == MATRIX_MARK else listed(s) for s in equation]
+        columns, are_joints = [cells for cells in columns if len(cells) == len(joints)], False
+        for cells in columns:
+            with suppress(CheckError):
+                are_joints |= [plain.formula(cell) for cell in cells] == joints
+        for cells in columns if are_joints else ():
+            lefts = [taken_apart(cell.text) for cell in cells]
+            found |= {x.flat: q for x, q in zip(lefts, joints, strict=True) if x and x.is_plain and not x.sub}
+    return found
 
 
 def opposes_gravity(texts: Iterable[str]) -> bool:
