@@ -182,6 +182,8 @@ _PARTED = re.compile(
     r"(?<!\$)(\$[^$\n]+)\$([ \t]*=[ \t]*|(?<==\$)[ \t*]*)\$(?=[^$\n]+\$(?!\$))"
     r"|(?<!\$)(\$(?:\\(?:var)?theta|q|d)_\{?\w\}?)(\$:)[ \t]*\$(?=[^$=\n]*(?:cos|tan|sin)[^$=\n]*\$)"
 )
+# The next factor of a product in a formula of its own, $^3_6R = ^0_3R^T$ $^0_6R$.
+_FACTOR = re.compile(r"(?<!\$)(\$[^$\n]*=[^$\n]*)\$[ \t]+\$(?=(?:\{\})?[_^][^$=\n]*\$(?!\$))")
 # A row of a table, | $x$ | $l_1 \cos\theta_1$ |.
 _IN_CELLS = re.compile(
     r"^(\|[ \t]*\$[^$|=\n]+)\$[ \t]*\|[ \t]*\$(?=[^$|=\n]*(?:\\(?:sin|cos|frac|sqrt)|[csCS]_)[^$|=\n]*\$[ \t]*\|)", re.M
@@ -209,6 +211,7 @@ def _markdown(text: str) -> str:
 
     text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))
     text = _PARTED.sub(lambda m: (f"{m[1]} {m[2].replace('*', ' ')} " if m[1] else f"{m[3]} = ").ljust(len(m[0])), text)
+    text = _FACTOR.sub(lambda m: m[1].ljust(len(m[0])), text)
     text = _IN_CELLS.sub(lambda m: f"{m[1]} =".ljust(len(m[0])), text)
     doubled = len(re.findall(r"(?<!\\)\\\\[A-Za-z]{2}", text))
     if doubled > 4 * len(re.findall(r"(?<!\\)\\[A-Za-z]{2}", text)):  # a site that asks for \\frac

@@ -66,7 +66,8 @@ class MatrixNames:
             left = replace(left, sup=left.sup.replace("0", "")) if left is not None else None  # in the axes of the base
             for side in others if left is not None and left.is_plain else ():
                 with suppress(CheckError):
-                    found = list(self.values(side)) if _ELEMENTARY.search(side.text) else [reader.value(side)]
+                    made = list(self.values(side)) if _ELEMENTARY.search(side.text) else []
+                    found: list[Expression | Table] = [*made] or [reader.value(side)]  # a T may be that of a transpose
                     tables = [t for t in found if isinstance(t, Table) and not any(e.unknown for e in t.entries)]
                     self._defined.setdefault(left.flat if left else "", []).extend(tables)
 

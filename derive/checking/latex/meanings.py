@@ -110,6 +110,7 @@ class Meanings:
         self.counts_world = False  # whether frame 0 of the text is the world, and frame 1 the base of the robot
         self.counts_rows = False  # whether rows without motion are counted as frames, in the order of the table
         self.counts_joints = False  # whether p_1 is the first joint's place, p_2 the end of link 1
+        self.names_end = False  # whether the text has another name for the end effector than the last frame's
         self.has_o_columns = False  # whether o_x is an entry of the second column of a rotation, beside n, a and p
         self.has_turns = False  # whether omega_2 is the angular velocity of link 2, not the rate of joint 2
         self.lent = frozenset[str]()  # letters with two indices that are names of the author's own
@@ -162,6 +163,8 @@ class Meanings:
                 kind = f"statics{re.sub('^(?:tau|joint)', '', name)}{axes}"
                 inside = ",".join(filter(None, (place.removesuffix("]"), *sorted(self.forces))))
                 found[replace(target, quantity=f"{kind}[{inside}]")] = None
+            if name == "T" and not place and self.names_end and str(self.robot.n) in (left.sub, left.before_sub):
+                continue
             known_by = "Cqd" if name in OF_VELOCITIES else name
             is_known = known_by in OWN or REGISTRY[known_by].is_of(self.robot)
             if is_known and (name != "lagrangian" or self.robot.links):

@@ -140,12 +140,10 @@ def own_quantity(model: Model, name: str) -> Expr | Matrix | None:
     has_jacobian = kind == "twist" or not robot.is_tree
     rates, jacobian = sympy.Matrix(model.qd), sympy.Matrix(model.quantity("J") if has_jacobian else [])
     match kind, places:
-        case "twist", _:
-            return jacobian * rates
-        case (("rates" | "momentum"), _):  # of Hamilton's equations, the derivatives of L by the velocities
-            return rates if kind == "rates" else sympy.Matrix(model.quantity("B")) * rates
-        case "accelerations", _:
-            return sympy.Matrix(model.qdd)
+        case (("twist" | "momentum"), _):  # p of Hamilton's equations, the derivatives of L by the velocities
+            return (jacobian if kind == "twist" else sympy.Matrix(model.quantity("B"))) * rates
+        case (("rates" | "accelerations"), _):
+            return rates if kind == "rates" else sympy.Matrix(model.qdd)
         case (kind, [link, frame]) if kind in OF_LINK:
             if (link == 0 and kind in ("omega", "alpha")) or (link > model.n and kind.startswith("joint")):
                 return sympy.zeros(3, 1)  # of the base, and of the end effector that nothing holds

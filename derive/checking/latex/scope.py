@@ -20,7 +20,7 @@ from derive.checking.latex.names import LatexNames, Symbol, plus_minus
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Poses
 from derive.checking.latex.quantities import force_named
-from derive.checking.latex.targets import is_scalar
+from derive.checking.latex.targets import is_scalar, names_end
 from derive.checking.latex.typography import cleaned
 from derive.errors import CheckError, Location
 from derive.lecture.sympy_conversion import expression_from_sympy
@@ -78,14 +78,13 @@ class Scope:
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         self.meanings.has_turns = _TURNS.match(plain) is not None
         self.meanings.columns = columns = whole.named_columns(self.equations) if document else {}
-        has_one_end = len(self.robot.ends) < 2  # of several, a pose without a name is none's
-        self.poses = (
-            Poses(model, plain, columns, whole.entry_letters(self.equations)) if document and has_one_end else None
-        )
+        has_one_end = document and len(self.robot.ends) < 2  # of several, a pose without a name is none's
+        self.poses = Poses(model, plain, columns, whole.entry_letters(self.equations)) if has_one_end else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
-        behind = (taken_apart(side.text) for e in self.equations for side in e if not side.matrices)
-        self.meanings.counts_joints = any(x and x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
+        behind = [left for e in self.equations for s in e if not s.matrices and (left := taken_apart(s.text))]
+        self.meanings.names_end = document and any(map(names_end, behind))
+        self.meanings.counts_joints = any(x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.momenta |= whole.momenta(text, self.robot.n) if document else {}
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
         self._signs = plus_minus() if document else None

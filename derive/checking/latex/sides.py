@@ -323,8 +323,10 @@ class SideReading(Comparing):
         meaning = self.plain.names.meaning(name) if is_joint else None
         if not isinstance(meaning, Name) or meaning.name not in self.joints:
             return None
-        # a slide with a number above it is a power
-        return None if left.sup.isdigit() and not self.joints[meaning.name].is_revolute else meaning
+        if left.sup.isdigit() and not self.joints[meaning.name].is_revolute:
+            return None  # a power of a slide
+        cells = (e for _, e in self.scope.definitions.get(name.text, ()) if {*names(e)} == {meaning.name})
+        return next(cells, meaning)  # \theta_4 = -q_4, the cell of the table
 
     @cached_property
     def _same_pose(self) -> frozenset[str]:

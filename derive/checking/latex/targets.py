@@ -39,6 +39,11 @@ class Target:
     by: tuple[str, ...] = ()
 
 
+def names_end(left: Left) -> bool:
+    """Whether a pose is that of the end effector by its name, such as ``{}^0_{ee}T``."""
+    return left.head in "TAH" and not {left.sub, left.before_sub}.isdisjoint(_END - {"n", "N", "t"})
+
+
 def candidates(
     left: Left, n: int, first: int = 1, reading: Reading = frozenset(), *, tool: bool = False
 ) -> tuple[Target, ...]:

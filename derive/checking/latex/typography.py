@@ -141,6 +141,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = re.sub(r"(\\(?:var)?theta) ([1-9])(?![0-9.])", r"\1_\2", text)  # a name, not a product
+    text = re.sub(r"(?<=[0-9}])\[([RTA])\]", r"  \1", text)  # ^0_3[R]
     text = _POINTED.sub(_times, text)
     text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
     text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
@@ -251,6 +252,7 @@ _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
     re.MULTILINE,
 )
+_PARAGRAPH = re.compile(r"(?:^[^\n]*\S[^\n]*(?:\n|\Z))+", re.MULTILINE)
 # A display whose brackets lost their backslashes, and the name that a program shows before a matrix.
 _LOST = re.compile(r"^[ \t]*\[[ \t]*\n(?P<body>(?:(?![ \t]*[][][ \t]*$)[^\n]*\n){1,40})[ \t]*\][ \t]*$", re.MULTILINE)
 _SHOWN = re.compile(
@@ -277,8 +279,10 @@ def from_plain_text(text: str) -> Spelled:
     found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
     found = _rewritten(found, _LOST, _restored)
     found = _rewritten(found, _SHOWN, lambda m: f"{m['display']}{m['name']}_{{{m['sub']}}} = ".replace("_{None}", ""))
-    if re.search(r"\$|\\\(|\\\[|\\begin", found[0]):
+    if re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0]):
         return found
+    if "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
+        return _rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
 
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
@@ -344,6 +348,9 @@ _NORM = re.compile(
     r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^\{?0)[^$])*?)(?:\^\{?0\}?)?\s*"
     r"(?:\\right\s*)?\\(?:\||[lr]?Vert)\s*\^\s*(?:2|\{\s*2\s*\})"
 )
+_LENGTH = re.compile(
+    r"(?:\\left\s*)?\|\s*(\\(?:d?dot|vec|mathbf|boldsymbol|omega)(?![A-Za-z])[^|$=]{1,40}?)\s*(?:\\right\s*)?\|\s*\^\s*(?:2|\{\s*2\s*\})"
+)
 _INNER = r"\{((?:[^{}]|\{[^{}]*\})*)\}"
 _BEFORE = re.compile(rf"\\(?:sideset\s*{_INNER}\s*{_INNER}|prescript\s*{_INNER}\s*{_INNER})")  # scripts before a letter
 _NESTED = r"(?:[^()$]|\((?:[^()$]|\([^()$]*\))*\))*"
@@ -365,6 +372,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     # a point or its velocity by its coordinates, P_1(l_1 c_1, l_1 s_1)
     (re.compile(r"\$([PV]_\{?\w\}?)(\((?=[^=$]*,)[^=$]*\\(?:sin|cos)[^=$]*\))\$"), lambda m: f"${m[1]} = {m[2]}$"),
     (_NORM, lambda m: f"{m[1]}^T {m[1]}"),
+    (_LENGTH, lambda m: f"{m[1]}^T {m[1]}"),
     (_NEARLY, lambda m: f"{m[1]}={m[2]}"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])\{([0-9]{1,4})\}"), lambda m: f"{m[1]}_{{{m[2]}}}"),
     (_OLD_MATRIX, lambda m: f"\\begin{{{m[1]}}}{_ROW_END.sub(_TWO, m[2])}\\end{{{m[1]}}}"),

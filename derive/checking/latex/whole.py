@@ -170,6 +170,7 @@ def of_every_link(equations: Iterable[Sides], n: int) -> Iterator[tuple[str, Lat
 def renamed(equations: Iterable[Sides], plain: LatexReader) -> dict[str, Expression]:
     r"""Joint variables by the author's letters for all of them: ``q = [x; \theta] = [q_1; q_2]``."""
     joints, found = [Name(joint.variable) for joint in plain.names.robot.movers], dict[str, Expression]()
+    known = own_names(plain.names.robot)
     for equation in equations:
         columns = [s.cells if s.text.strip(AROUND) == MATRIX_MARK else listed(s) for s in equation]
         columns, are_joints = [cells for cells in columns if len(cells) == len(joints)], False
@@ -178,7 +179,8 @@ def renamed(equations: Iterable[Sides], plain: LatexReader) -> dict[str, Express
                 are_joints |= [plain.formula(cell) for cell in cells] == joints
         for cells in columns if are_joints else ():
             lefts = [taken_apart(cell.text) for cell in cells]
-            found |= {x.flat: q for x, q in zip(lefts, joints, strict=True) if x and x.is_plain and not x.sub}
+            pairs = ((x.flat, q) for x, q in zip(lefts, joints, strict=True) if x and x.is_plain and not x.sub)
+            found |= {name: q for name, q in pairs if name not in known}
     return found
 
 
