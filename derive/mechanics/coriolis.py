@@ -29,7 +29,6 @@ from typing import Generic
 
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Chain, ChainJoint
-from derive.mechanics.energy import wrench_to_parent
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_child, to_parent
 from derive.mechanics.vectors import Matrix, S, Symmetric, Vector, add, add_matrices, cross, multiply, scale
 
@@ -118,9 +117,11 @@ class _ColumnWrench(Generic[S]):
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
         """From joint frame i to i-1."""
         # Force and moment about the origin of frame i-1: n' = n + p x f.
-        force, moment = wrench_to_parent(joint, (self.force, self.moment))
-        unit, eta = wrench_to_parent(joint, (self.unit, self.eta))
-        kappa, lever = self.kappa, cross(origin(joint), cross(unit, omega))
+        p = origin(joint)
+        force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
+        moment = add(to_parent(joint, self.moment), cross(p, force))
+        eta = add(to_parent(joint, self.eta), cross(p, unit))
+        kappa, lever = self.kappa, cross(p, cross(unit, omega))
         # The joint's rate takes eta x z from kappa; the lever adds p x (u x omega), a slide rate z x u.
         if joint.revolute:
             kappa = (kappa[0] - rate * self.eta[1], kappa[1] + rate * self.eta[0], kappa[2])

@@ -40,7 +40,7 @@ from typing import Generic
 from derive.mechanics import joint_motion, vectors
 from derive.mechanics.chain import Body, Chain, ChainJoint
 from derive.mechanics.coriolis import coriolis_matrix
-from derive.mechanics.energy import unit_wrench, wrench_to_parent
+from derive.mechanics.energy import unit_wrench
 from derive.mechanics.joint_motion import along_axes, axis, generalized_force, origin, to_parent
 from derive.mechanics.newton_euler import FrameChoice, LinkMotion, carried_wrenches, link_motions
 from derive.mechanics.vectors import Matrix, S, Vector, add, add_matrices, column, cross, dot, multiply, scale
@@ -71,7 +71,8 @@ class _MovingBody(Generic[S]):
         zddot = column(motion.tensor, 2)
         # Shifted base: df = m zddot, dn = h x zddot; the torque's lever delta = h' x z.
         if not joint.revolute:
-            return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, (hdot[1], -hdot[0], chain.zero))
+            delta = (hdot[1], -hdot[0], chain.zero)
+            return _Response(scale(body.mass, zddot), cross(h, zddot), unit, eta, delta)
         # Turned base: zdot = omega x z, d a = a x z, and twice zdot meets the moments' rates.
         zdot: Vector[S] = (motion.omega[1], -motion.omega[0], chain.zero)
         twice = add(zdot, zdot)
@@ -104,8 +105,10 @@ class _Response(Generic[S]):
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
         """From joint frame i to i-1."""
         # To the origin of frame i-1: moments gain p x force, delta gains pdot x u.
-        force, moment = wrench_to_parent(joint, (self.force, self.moment))
-        unit, eta = wrench_to_parent(joint, (self.unit, self.eta))
+        p = origin(joint)
+        force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)
+        moment = add(to_parent(joint, self.moment), cross(p, force))
+        eta = add(to_parent(joint, self.eta), cross(p, unit))
         delta = add(to_parent(joint, self.delta), cross(_origin_rate(joint, omega, rate), unit))
         return _Response(force, moment, unit, eta, delta)
 
