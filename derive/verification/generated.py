@@ -132,7 +132,7 @@ class CModel:
     file = "model.c"
     ways = ("one", "batch", "blocks")
 
-    @property
+    @cached_property
     def constants(self) -> Mapping[str, Any]:
         """``DOF``, ``PARAMETERS`` and the places ``GIVEN``, as the header has them; shapes of the functions by name."""
         start = f"{self._prefix}index_of_"
@@ -202,7 +202,7 @@ class CModel:
 
 
 def _pointer(array: Array) -> Any:
-    return array.ctypes.data_as(ctypes.POINTER(ctypes.c_double))
+    return array.ctypes.data_as(ctypes.c_void_p)
 
 
 GeneratedModel = NumpyModel | CasadiModel | CModel | OctaveModel

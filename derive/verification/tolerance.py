@@ -234,15 +234,12 @@ class Expectation:
         count = len(self.value)
         step = count * max(1, CACHED // self.value.size)
         wanted = np.resize(self.value, (step, *self.value.shape[1:]))
-        distance = np.empty(len(got))
+        distance = np.full(-(-len(got) // count) * count, -1.0)
         for start in range(0, len(got), step):
             part = got[start : start + step]
             distances = np.abs(part - wanted[: len(part)]).reshape(len(part), -1).max(axis=1)
-            distance[start : start + step] = np.where(np.isnan(distances), np.inf, distances)
-        order = np.argsort(distance, kind="stable")
-        farthest = np.empty(count, dtype=int)
-        farthest[order % count] = order
-        return got[farthest]
+            distance[start : start + len(part)] = np.where(np.isnan(distances), np.inf, distances)
+        return np.asarray(got[distance.reshape(-1, count).argmax(axis=0) * count + np.arange(count)])
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -220,6 +220,7 @@ def _check_coverage(
 
 # More configurations than generated code handles at once, and no multiple of anything: faults between blocks show.
 BLOCK_ROWS = 8231
+LANE_ROWS = 1031  # the same of C, whose blocks have up to 32
 # Samples times n^4 that may be spent on Christoffel symbols: all samples up to 14 joints, a few beyond.
 CHRISTOFFEL_BUDGET = 1_000_000
 # Functions without a value in some configurations: where B, J or the angles are singular.
@@ -289,17 +290,17 @@ def _trial(
         run = partial(call, read_only(shaped), numbers)
         return Trial("broadcast batches", run, together(shaped), sample_set)
     assert way == "blocks", way  # the same configurations over and over, in more rows than one block holds
-    rows = np.arange(BLOCK_ROWS) % len(arguments[0])
+    rows = np.arange(LANE_ROWS if model.target == "c" else BLOCK_ROWS) % len(arguments[0])
     run = partial(call, read_only([argument[rows] for argument in arguments]), numbers)
-    return Trial("a long batch", run, arguments, sample_set, BLOCK_ROWS)
+    return Trial("a long batch", run, arguments, sample_set, len(rows))
 
 
 def _one_by_one(model: GeneratedModel, function: str, arguments: tuple[Array, ...], numbers: Parameters) -> Array:
     """One configuration a call; what ends in a division by zero is not a number where that may be right."""
     values = []
-    for row in zip(*arguments, strict=True):
+    for row in zip(*read_only(arguments), strict=True):
         try:
-            values.append(model.call(function, read_only(row), numbers))
+            values.append(model.call(function, row, numbers))
         except (ArithmeticError, np.linalg.LinAlgError):
             if stem(function) not in UNDETERMINED:
                 raise

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -217,14 +218,22 @@ def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
 
 
 def chain_frames(arm: NumericArm, q: Array) -> Array:
-    """DH frames 0 to n seen from frame 0, the first being the identity."""
+    """DH frames 0 to n seen from frame 0, the first being the identity; nobody may write into them."""
+    return _chain_frames(arm, q.shape, q.dtype, q.tobytes())
+
+
+@lru_cache(maxsize=16)  # most functions are asked for at the same configurations, one after the other
+def _chain_frames(arm: NumericArm, shape: tuple[int, ...], kind: np.dtype[Any], data: bytes) -> Array:
+    q: Array = np.frombuffer(data, kind).reshape(shape)
     # T_i = T_{i-1} A_i, outward from frame 0, with the frame that joint i follows for frame i-1
     frames = [np.broadcast_to(np.eye(4, dtype=q.dtype), (*q.shape[:-1], 4, 4))]
     for i in range(arm.n):
         before = frames[arm.parent[i] + 1]
         before = before if arm.start is None else before @ arm.start[i]
         frames.append(before @ row_transform(arm, i, q[..., i]))
-    return np.stack(frames, axis=-3)
+    found = np.stack(frames, axis=-3)
+    found.flags.writeable = False
+    return found
 
 
 def row_starts(arm: NumericArm, frames: Array) -> Array:
@@ -343,7 +352,10 @@ def cross(u: Array, v: Array) -> Array:
     """Vector product over the last axis."""
     ux, uy, uz = u[..., 0], u[..., 1], u[..., 2]
     vx, vy, vz = v[..., 0], v[..., 1], v[..., 2]
-    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx], axis=-1)
+    first = uy * vz - uz * vy
+    product = np.empty((*first.shape, 3), dtype=first.dtype)
+    product[..., 0], product[..., 1], product[..., 2] = first, uz * vx - ux * vz, ux * vy - uy * vx
+    return product
 
 
 def _only_moving(arm: NumericArm, columns: Array, moves: Array) -> Array:
