@@ -254,32 +254,28 @@ def best_view(places: Array, stars: Sequence[Array], segments: Sequence[Array], 
     A star is the unit vectors of the axes that start at one place, (m, 3); a segment a link with a length, (2, 3).
     """
     views = [View(math.radians(a), math.radians(e), up) for e in ELEVATIONS for a in AZIMUTHS]
-    costs = []
-    for view in views:
-        axes = 0.0
-        for star in stars:  # arrows from one point: small angles between them, and arrows that point at the reader
-            x, y, _ = view.project(star).T
-            angles = np.sort(np.arctan2(y, x))
-            gaps = np.diff(np.append(angles, angles[0] + 2 * math.pi))
-            short = float(np.sum(np.exp(-((np.hypot(x, y) / 0.3) ** 2))))
-            close = float(np.sum(np.exp(-((gaps / _NARROW) ** 2)))) if len(star) > 1 else 0.0
-            axes += short + close
-        links = 0.0
-        for start, end in segments:
-            ratio = float(np.hypot(*view.project(end - start)[:2]) / np.linalg.norm(end - start))
-            links += math.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
-        meeting = 0.0
-        if len(places) > 1:
-            size = float(np.max(np.linalg.norm(places - places[0], axis=1))) or 1.0
-            flat = view.project(places)[:, :2] / size
-            apart = np.linalg.norm(flat[:, None] - flat[None, :], axis=-1)[np.triu_indices(len(places), 1)]
-            meeting = float(np.mean(np.exp(-((apart / 0.12) ** 2)))) * len(places) / 3
-        azimuth, elevation = math.degrees(view.azimuth), math.degrees(view.elevation)
-        away = min(max(low - azimuth, azimuth - high, 0.0) for low, high in _LIKED_AZIMUTHS)
-        unusual = 0.012 * min(away, 60.0) + 0.01 * abs(elevation - _LIKED_ELEVATION)
-        cost = axes / max(1, len(stars)) + 2.0 * (links / max(1, len(segments))) + 1.5 * meeting + unusual
-        costs.append(round(cost, 6))
-    return views[int(np.argmin(costs))]
+    page = np.stack([view.rows[:2].T for view in views])  # to the right and upwards, (views, 3, 2)
+    # Axes that crowd, links seen from their end, origins that nearly meet on the page, an unusual direction.
+    axes, links, meeting = np.zeros(len(views)), np.zeros(len(views)), np.zeros(len(views))
+    for star in stars:  # arrows from one point: small angles between them, and arrows that point at the reader
+        x, y = np.moveaxis(star @ page, -1, 0)
+        angles = np.sort(np.arctan2(y, x), axis=-1)
+        gaps = np.diff(angles, append=angles[:, :1] + 2 * math.pi)
+        axes += np.exp(-((np.hypot(x, y) / 0.3) ** 2)).sum(axis=-1)
+        axes += np.exp(-((gaps / _NARROW) ** 2)).sum(axis=-1) if len(star) > 1 else 0.0
+    for start, end in segments:
+        ratio = np.hypot(*((end - start) @ page).T) / np.linalg.norm(end - start)
+        links += np.exp(-((ratio / 0.45) ** 2)) + 0.3 * (1.0 - ratio)
+    if len(places) > 1:
+        size = float(np.max(np.linalg.norm(places - places[0], axis=1))) or 1.0
+        one, other = np.triu_indices(len(places), 1)
+        apart = np.linalg.norm((places[one] - places[other]) @ page, axis=-1) / size
+        meeting = np.exp(-((apart / 0.12) ** 2)).mean(axis=-1) * len(places) / 3
+    azimuth, elevation = np.degrees([(view.azimuth, view.elevation) for view in views]).T
+    away = np.min([np.maximum(np.maximum(low - azimuth, azimuth - high), 0.0) for low, high in _LIKED_AZIMUTHS], axis=0)
+    unusual = 0.012 * np.minimum(away, 60.0) + 0.01 * np.abs(elevation - _LIKED_ELEVATION)
+    cost = axes / max(1, len(stars)) + 2.0 * (links / max(1, len(segments))) + 1.5 * meeting + unusual
+    return views[int(np.argmin(cost.round(6)))]
 
 
 # -- planar arms, which are seen as they are: from a point far away on the normal of their plane
