@@ -365,11 +365,12 @@ class Search:
                 return
             cost, mark = network.cost, network.mark()
             # Squares may be hidden in products, and in sums that are used once: those are written out first.
-            users = [(v, p) for v, p in network.polynomials() if any(variable in m for m in p)]
+            users = [(v, p) for v, p in network.polynomials() if v in network.users.get(variable, ())]
             hidden = [v for v, _ in users if len(network.users[v]) == 1] + [v for v, p in users if len(p) == 1]
             for inner in dict.fromkeys(hidden):  # products and single-use sums in which a square may hide
                 self._write_out(inner, None)
-            holders = [(v, p) for v, p in network.polynomials() if variable in circle.squares(p)]
+            users = [(v, p) for v, p in network.polynomials() if v in network.users.get(variable, ())]
+            holders = [(v, p) for v, p in users if variable in circle.squares(p)]
             for holder, polynomial in holders:
                 network.define(holder, circle.without(polynomial, variable))
             # All together must save: half of an identity only makes sums longer.
