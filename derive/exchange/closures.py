@@ -11,7 +11,7 @@ import numpy as np
 from derive.errors import QuantityError, RobotFileError, listed
 from derive.exchange.arm import direction_of, frame_at, joints_between
 from derive.exchange.reading.elements import MOVING, Urdf, UrdfJoint
-from derive.inverse.loops.linkage import linkage, positions
+from derive.inverse.loops.linkage import SolvedLoop, linkage, positions
 from derive.mechanics.space import WORLD, Frame, Point, length, plus, unit
 from derive.mechanics.vectors import cross, dot
 from derive.robot.description import Joining, Joint, Loop, Variable
@@ -113,8 +113,12 @@ def _on_branch(robot: Robot, at: Sequence[np.ndarray]) -> Robot | None:
     places = {joint.variable: x for joint, x in zip(robot.joints, at, strict=True)}
     q, loops = [places[variable.variable] for variable in robot.variables], list(robot.loops)
     for k in range(len(loops)):
-        solved = linkage(replace(robot, loops=tuple(loops[: k + 1])))[-1]
-        for signs in product("+-", repeat=sum(node.formulas[0].branches > 1 for node in solved.graph.nodes)):
+        try:
+            solved = linkage(replace(robot, loops=tuple(loops[: k + 1])))[-1]
+        except QuantityError:  # perhaps together with those below
+            continue
+        nodes = solved.graph.nodes if isinstance(solved, SolvedLoop) else ()
+        for signs in product("+-", repeat=sum(node.formulas[0].branches > 1 for node in nodes)):
             loops[k] = replace(loops[k], branch="".join(signs))
             part = replace(robot, loops=tuple(loops[: k + 1]))
             try:
@@ -126,4 +130,5 @@ def _on_branch(robot: Robot, at: Sequence[np.ndarray]) -> Robot | None:
                 break
         else:
             return None
-    return replace(robot, loops=tuple(loops))
+    linkage(found := replace(robot, loops=tuple(loops)))  # refuses what it cannot solve
+    return found

@@ -85,7 +85,8 @@ def _alone(robot: Robot, joint: Joint) -> Joint:
 
 def _open(robot: Robot, bare: Robot, ties: Ties) -> tuple[Robot, Ties]:
     """With its loops open: an end stands for each of the frames that they join."""
-    from derive.inverse.loops.linkage import are_opposed, assembled, linkage
+    from derive.inverse.loops.closing import are_opposed
+    from derive.inverse.loops.linkage import assembled, linkage
 
     loops, more = [], []
     for k, loop in enumerate(robot.loops, 1):

@@ -16,31 +16,51 @@ from sympy.simplify.fu import TR10i
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
-from derive.inverse.loops.linkage import SolvedLoop, assembled, gaps, linkage, positions, reach, slopes
+from derive.inverse.loops.closing import Closing, gaps, openings, reach
+from derive.inverse.loops.linkage import SolvedLoop, assembled, linkage, positions, slopes
 from derive.inverse.numeric.in_numbers import with_lines
 from derive.inverse.words.elementary import PrintedLine, reduced
 from derive.inverse.words.solutions import InverseKinematics, Solution
-from derive.lecture.point import DIGITS, value_of, written
+from derive.lecture.point import DIGITS, KEPT, value_of
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
 from derive.robot.coupling import derivatives
 from derive.robot.description import Joining, Loop
-from derive.robot.expression import Call, Expression, Name, add, multiply, names, number, substitute
+from derive.robot.expression import Call, Expression, Name, Number, Power, add, multiply, names, number, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
 
 @dataclass(frozen=True)
-class LoopClosure:
-    """One loop: its unknown joints are a serial arm whose pose the variables determine."""
+class JoinedLoops:
+    """Loops that are solved together, and the derivatives of their passive joints."""
 
-    loop: Loop
-    known: tuple[PrintedLine, ...]  # entries of its pose that the solution uses, in variables and parameters
-    inverse: InverseKinematics  # of the arm, every branch
-    solution: Solution  # the branch of the file, with what is known before it
+    loops: tuple[Loop, ...]
     zeros: tuple[Expr, ...]  # factors of det J_p that move: no derivative has a value where one of them is zero
     names: tuple[str, ...]  # of the derivatives, G_q3_q1, and of the second ones, H_q3_q1_q1
     slope: Callable[[str], Expr]  # one by its name, a second one in the first: all of many variables take minutes
+
+    @property
+    def words(self) -> str:
+        """Which rows are joined."""
+        return "; ".join(f"{listed(loop.join)} are joined ({loop.by.value})" for loop in self.loops)
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopClosure(JoinedLoops):
+    """One loop: its unknown joints are a serial arm whose pose the variables determine."""
+
+    known: tuple[PrintedLine, ...]  # entries of its pose that the solution uses, in variables and parameters
+    inverse: InverseKinematics  # of the arm, every branch
+    solution: Solution  # the branch of the file, with what is known before it
+
+
+@dataclass(frozen=True, kw_only=True)
+class IteratedClosure(JoinedLoops):
+    """Loops that are solved numerically."""
+
+    passive: tuple[str, ...]  # the variables of their passive joints
+    equations: tuple[Expr, ...]  # as many, zero where they close
 
 
 @dataclass(frozen=True)
@@ -48,7 +68,7 @@ class Closure:
     """The closed loops of a robot, in the order in which they are solved."""
 
     robot: Robot
-    loops: tuple[LoopClosure, ...]
+    loops: tuple[LoopClosure | IteratedClosure, ...]
 
     @property
     def G(self) -> Matrix:
@@ -70,47 +90,70 @@ class Closure:
     @property
     def expressions(self) -> tuple[Expr, ...]:
         """Everything that is printed of it."""
-        own = (e for one in self.loops for e in (*one.zeros, *(line.value for line in one.known)))
-        return (*own, *(e for one in self.loops for e in one.inverse.expressions))
+        solved = [one for one in self.loops if isinstance(one, LoopClosure)]
+        own = [e for one in self.loops for e in one.zeros]
+        own += [e for one in self.loops if isinstance(one, IteratedClosure) for e in one.equations]
+        own += [line.value for one in solved for line in one.known]
+        return (*own, *(e for one in solved for e in one.inverse.expressions))
 
     def at(self, point: Mapping[str, Expression]) -> Matrix:
         """The positions of the passive joints at a point, a column [rad or m]; names where it lacks numbers."""
         full, names = self.completed(point), [joint.variable for joint in self.robot.passive]
         return sympy.ImmutableMatrix([expression_to_sympy(full.get(name, Name(name))) for name in names])
 
-    def completed(self, point: Mapping[str, Expression]) -> dict[str, Expression]:
+    def completed(self, point: Mapping[str, Expression], digits: int = KEPT) -> dict[str, Expression]:
         """A point with the positions of passive joints and their derivatives, where it has all numbers for them."""
         full, wanted = dict(point), {joint.variable: joint for joint in self.robot.passive}
         with mpmath.workdps(DIGITS):
             known = {sympy.Symbol(k): value_of(expression_to_sympy(e), {}) for k, e in point.items()}
             for one in self.loops:
-                lines = {line.symbol: line.value for line in one.solution.lines}
+                if isinstance(one, IteratedClosure):
+                    known |= (roots := self._roots(one, known))
+                    lines = {symbol: symbol for symbol in roots}
+                else:
+                    lines = {line.symbol: line.value for line in one.solution.lines}
                 for symbol, formula in {**lines, **{sympy.Symbol(k): one.slope(k) for k in one.names}}.items():
                     try:
                         known[symbol] = value = value_of(formula, dict(known))
                     except (ArithmeticError, ValueError):
-                        found = f"the loop of {self.robot.name} that joins {listed(one.loop.join)}, at this point"
-                        raise QuantityError(f"{found}: it is open, or singular") from None
+                        raise self._open(one) from None
                     name = str(symbol)
                     if not isinstance(value, sympy.Basic) and name in {*wanted, *one.names}:
                         if name in wanted and wanted[name].is_revolute:
                             value = mpmath.atan2(mpmath.sin(value), mpmath.cos(value))
-                        full[name] = expression_from_sympy(written(value))
+                        full[name] = number(Fraction(mpmath.nstr(value, digits)))
         return full
+
+    def _open(self, one: JoinedLoops) -> QuantityError:
+        found = f"the loop of {self.robot.name} that joins {listed(one.loops[0].join)}, at this point"
+        return QuantityError(f"{found}: it is open, or singular")
+
+    def _roots(self, one: IteratedClosure, known: Mapping[Any, Any]) -> dict[Any, Any]:
+        """The passive joints of loops that are solved numerically, with all digits; none where a number lacks."""
+        names = [*(joint.variable for joint in self.robot.variables), *robot_symbols(self.robot)]
+        try:
+            numbers = {name: float(known[sympy.Symbol(name)]) for name in names}
+        except (KeyError, TypeError):
+            return {}
+        q = [np.array([numbers[joint.variable]]) for joint in self.robot.variables]
+        full, exists = positions(self.robot, linkage(self.robot), q, numbers)
+        if not exists[0]:
+            raise self._open(one)
+        near = {joint.variable: x[0] for joint, x in zip(self.robot.joints, full, strict=True)}
+        symbols = [sympy.Symbol(name) for name in one.passive]
+
+        def _values(*roots: Any) -> list[Any]:
+            return [value_of(e, {**known, **dict(zip(symbols, roots, strict=True))}) for e in one.equations]
+
+        found = mpmath.findroot(_values, [mpmath.mpf(near[name]) for name in one.passive])
+        return dict(zip(symbols, found, strict=True))
 
 
 def find_closure(model: KinematicModel) -> Closure:
     """The loops of a robot in the notation of a model."""
-    robot, domain, loops, found = model.robot, model.domain, linkage(model.robot), list[LoopClosure]()
+    robot, domain, loops, found = model.robot, model.domain, linkage(model.robot), list[LoopClosure | IteratedClosure]()
     variables = {sympy.Symbol(joint.variable) for joint in (*robot.variables, *robot.passive)}
     for k, one in enumerate(loops):
-        inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
-        used = sympy.Tuple(*inverse.expressions).free_symbols
-        entries = chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one))
-        pose = [pair for pair in zip(inverse.pose[:3, :], entries, strict=False) if pair[0] in used]
-        known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose)
-        solution = _branch(robot, loops[: k + 1], inverse, known)
-        inverse.conditions = ()  # a loop that closes meets them
         moving = slopes(robot, one, domain)
         both = {**moving.first, **moving.second}
         quotient = cache(partial(_quotient, domain, both, moving.determinant))
@@ -118,12 +161,31 @@ def find_closure(model: KinematicModel) -> Closure:
         common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
         factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
         zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
-        found.append(LoopClosure(one.loop, known, inverse, solution, zeros, tuple(both), quotient))
+        joined = JoinedLoops(one.loops, zeros, tuple(both), quotient)
+        if not isinstance(one, SolvedLoop):
+            rods = [loop.length for loop in one.loops if loop.by is Joining.DISTANCE]
+            own = PolynomialDomain(robot, [*rods, *(Power(length, -1) for length in rods)], rates=False)
+            rows, _ = openings(robot, one, own)
+            # Of a rod L^2 - |p_A - p_B|^2, twice the row of its velocity.
+            scales = [2 if one.loops[row // 6].by is Joining.DISTANCE else 1 for row in one.rows]
+            scaled = zip(scales, one.rows, strict=True)
+            equations = tuple(_contracted(own, rows[row] * scale) for scale, row in scaled)
+            passive = tuple(robot.joints[p].variable for p in one.passive)
+            found.append(IteratedClosure(**vars(joined), passive=passive, equations=equations))
+            continue
+        inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
+        used = sympy.Tuple(*inverse.expressions).free_symbols
+        entries = chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one))
+        pose = [pair for pair in zip(inverse.pose[:3, :], entries, strict=False) if pair[0] in used]
+        known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose)
+        solution = _branch(robot, loops[: k + 1], inverse, known)
+        inverse.conditions = ()  # a loop that closes meets them
+        found.append(LoopClosure(**vars(joined), known=known, inverse=inverse, solution=solution))
     return Closure(robot, tuple(found))
 
 
 def _branch(
-    robot: Robot, loops: tuple[SolvedLoop, ...], inverse: InverseKinematics, known: tuple[PrintedLine, ...]
+    robot: Robot, loops: tuple[Closing, ...], inverse: InverseKinematics, known: tuple[PrintedLine, ...]
 ) -> Solution:
     """Which of the printed solutions is the branch of the file: the one whose numbers are those of its graph."""
     values, _, full, _ = assembled(robot, loops)
@@ -161,7 +223,8 @@ class OnClosure:
     """The closed configurations of one robot, in the branch of its file."""
 
     def __init__(self, robot: Robot) -> None:
-        self.robot, self._loops = robot, find_closure(KinematicModel(robot)).loops
+        self.robot, self._closure = robot, find_closure(KinematicModel(robot))
+        self._loops = self._closure.loops
         self.angles = {joint.variable for joint in robot.passive if joint.is_revolute}
         self.free = (*(each.variable for each in robot.variables), *robot_symbols(robot))
         self.reach = partial(reach, robot)  # of a point, further than which no slide goes [m]
@@ -173,6 +236,14 @@ class OnClosure:
         _, exists = positions(self.robot, linkage(self.robot), q, {name: float(x) for name, x in point.items()})
         return bool(exists[0])
 
+    def roots(self, point: Mapping[str, Fraction]) -> dict[str, Fraction]:
+        """The positions that have no formulas, where the branch can be assembled."""
+        wanted = [name for one in self._loops if isinstance(one, IteratedClosure) for name in one.passive]
+        cells = {name: number(x) for name, x in point.items()}
+        full = self._closure.completed(cells, DIGITS) if wanted else {}
+        numbers = {name: full[name] for name in wanted}
+        return {name: cell.value for name, cell in numbers.items() if isinstance(cell, Number)}
+
     def meaning(self, name: str) -> Expression | None:
         """What a name of passive joints is in the branch of the file; None where it is free."""
         return self._positions.get(name) or self._derivative(name)
@@ -182,6 +253,8 @@ class OnClosure:
         """The lines that lead to the passive joints; other unknowns have names in brackets, which no user's has."""
         passive, found = {joint.variable for joint in self.robot.passive}, dict[str, Expression]()
         for k, one in enumerate(self._loops):
+            if isinstance(one, IteratedClosure):
+                continue
             lines = [(str(line.symbol), expression_from_sympy(line.value)) for line in one.solution.lines]
             own = {name: Name(f"({k} {name})") for name, _ in lines if name not in passive}
             found |= {own.get(name, Name(name)).name: substitute(value, own) for name, value in lines}
@@ -189,6 +262,8 @@ class OnClosure:
 
     def solved(self, name: str) -> Expression:
         """The position of a passive joint in one formula, in those that are solved before it and free names."""
+        if name not in self._positions:
+            raise QuantityError(f"a formula of {name}: its loops are solved numerically", remedy="compare G instead")
         e = self._positions[name]
         while inner := {name: self._positions[name] for name in names(e) if name.startswith("(")}:
             e = substitute(e, inner)

@@ -116,7 +116,10 @@ def samples(robot: Robot, wanted: list[str]) -> Iterator[dict[str, Fraction]]:
             yield point
             continue
         point |= {name: point[name] * Fraction(closed.reach(point) / 2).limit_denominator(100) for name in slides}
-        if closed.closes(point) and _complete(closed, point, wanted):
+        if not closed.closes(point):
+            continue
+        point |= closed.roots(point)
+        if _complete(closed, point, wanted):
             yield {name: point[name] for name in wanted}
 
 

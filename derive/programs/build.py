@@ -14,6 +14,7 @@ from derive.programs.functions import INTERFACES, ROWS, FunctionRow
 from derive.programs.optimise.search_policy import Effort
 from derive.programs.program import Column, EndInverse, Function, Interface, Inverse, InverseSearch, Program
 from derive.programs.tape.build import program_cost
+from derive.programs.tape.value import PASSIVE
 from derive.robot import tree
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
@@ -95,11 +96,13 @@ class _Traced:
         """Trace a function, one of an end of a tree where that has a name."""
         columns = row.columns(trace) if row.columns else ()
         interface = row.interface.at(end) if end else row.interface
+        if trace.passive.is_given:
+            interface = _with_passive(interface)
         try:
             own = trace.to_end(end)[0] if end else trace
             formulations = trace.choice.near(row.formulations(own), row.margin)
             if end or trace.robot.coupled:
-                sizes = {"r": trace.n, "p": len(columns), "u": len(trace.robot.passive)}
+                sizes = {"r": trace.n, "p": len(columns), "u": len(trace.robot.passive) + trace.passive.is_given}
                 formulations = tuple(own.for_variables(f, interface.shape, sizes) for f in formulations)
         except QuantityError:
             if not row.may_lack_value:
@@ -128,8 +131,8 @@ class _Traced:
             chosen = choice.cheapest([row.without_value(self.trace)])
         if chosen is None:
             return None
-        passive = len(self.trace.robot.passive)
-        sizes = {"n": self.trace.robot.dof, "r": self.trace.n, "p": len(self.columns), "u": passive}
+        passive, is_given = len(self.trace.robot.passive), self.trace.passive.is_given
+        sizes = {"n": self.trace.robot.dof, "r": self.trace.n, "p": len(self.columns), "u": passive + is_given}
         sizes |= {"m": len(task_rows(self.trace.robot))} if "m" in self.interface.shape else {}
         interface = self.interface
         shape = tuple(sizes[size] if isinstance(size, str) else size for size in interface.shape)
@@ -140,4 +143,14 @@ class _Traced:
         if passive:
             names = listed([joint.variable for joint in self.trace.robot.passive])
             interface = replace(interface, result=interface.result.replace("each passive joint", names))
-        return Function(interface, shape, tape, formulation.words, self.columns)
+        widths = {PASSIVE: passive} if is_given else {}
+        return Function(interface, shape, tape, formulation.words, self.columns, widths)
+
+
+def _with_passive(interface: Interface) -> Interface:
+    """A function that takes the positions of passive joints, or where these are looked for."""
+    interface = replace(interface, arguments=(*interface.arguments, PASSIVE))
+    if interface.name != "passive_positions":
+        return interface
+    result = "each passive joint [rad, m] nearest to q_p, and by how much loops are open then [m, and entries of R]"
+    return replace(interface, symbol="found", result=f"of {result}; call it again with these where that is not zero")

@@ -13,7 +13,6 @@ three rows of weight 2.
 
 from collections.abc import Callable, Sequence
 from fractions import Fraction
-from functools import reduce
 
 from derive.inverse.closed.graph import SolutionGraph
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
@@ -21,7 +20,7 @@ from derive.mechanics.vectors import Vector, column, cross, dot
 from derive.programs.formulations.trace import Trace
 from derive.programs.program import DAMPING, POSE, POSE_ENTRIES, Function, Interface
 from derive.programs.tape.build import bake, cut
-from derive.programs.tape.value import Q, Value
+from derive.programs.tape.value import Q, Value, least_squares
 
 Row = tuple[Sequence[Value], Value, Value | int]  # of G, with what is off and a weight
 INTERFACE = Interface(
@@ -89,30 +88,3 @@ def _fit(trace: Trace, graph: SolutionGraph, unit: Value) -> tuple[list[Row], Ca
 
     free = [i for i in range(trace.n) if i not in graph.given]
     return [*taken, *(([one if k == i else zero for k in range(trace.n)], zero, damping) for i in free)], _error
-
-
-def least_squares(
-    columns: Sequence[Sequence[Value]], weights: Sequence[Value | int], right: Sequence[Value]
-) -> list[Value]:
-    """The x for which the weighted sum of the squares of A x - b is least, by the modified method of Gram and Schmidt.
-
-    It loses the digits of the condition of A, not of its square (Bjorck, Numerical Methods for Least Squares Problems,
-    section 2.4), and without square roots.
-    """
-    rest = [list(column) for column in (*columns, right)]
-    factors: list[list[Value]] = []
-    for j in range(len(columns)):
-        weighted = [weight * value for weight, value in zip(weights, rest[j], strict=True)]
-        square = dot_product(weighted, rest[j])
-        factors.append([dot_product(weighted, other) / square for other in rest[j + 1 :]])
-        for other, factor in zip(rest[j + 1 :], factors[j], strict=True):
-            other[:] = [value - factor * own for value, own in zip(other, rest[j], strict=True)]
-    found: list[Value] = []
-    for row in reversed(factors):
-        found.insert(0, row[-1] - dot_product(row[:-1], found) if found else row[-1])
-    return found
-
-
-def dot_product(a: Sequence[Value], b: Sequence[Value]) -> Value:
-    """The sum of the products of two rows of values."""
-    return reduce(Value.__add__, map(Value.__mul__, a, b))

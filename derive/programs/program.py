@@ -20,6 +20,7 @@ ARGUMENTS: Mapping[str, str] = {
     "qdd": "joint accelerations [rad/s^2, m/s^2]",
     "tau": "joint torques and forces [N m, N]",
     "h": "force [N] and moment [N m] of the environment on the end effector, about its origin",
+    "q_p": "variables of passive joints where the loops close, of passive_positions near there [rad, m]",
 }
 WIDTHS: Mapping[str, int] = {"h": 6}  # entries of arguments that have not one per joint
 # The functions of a wrench, in the axes of the world and of the end effector, that others take into account: theirs is

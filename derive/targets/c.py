@@ -68,7 +68,7 @@ def c_function(function: Function, parameters: Sequence[str], more_constants: in
         "name": function.name,  # without the robot's
         "arguments": function.arguments,  # arguments from the user
         "used": used,  # those that have a say in the result
-        "widths": WIDTHS,  # lengths of those that have not one entry per joint
+        "widths": {**WIDTHS, **function.widths},  # lengths of those that have not one entry per joint
         "unused": tuple(argument for argument in function.arguments if argument not in used),
         "size": size,  # entries of the result
         "lanes": next((count for most, count in _LANES if size <= most), 8),  # configurations in a block
@@ -121,13 +121,14 @@ def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = Tr
 def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
     wording = function.interface
     layout = ", row by row" if len(function.shape) > 1 else ""
+    widths = {**WIDTHS, **function.widths}
     constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
     return (
         wording.summary,
         "",
         *(
             f"@param[in]  {name}       {ARGUMENTS[name]}, "
-            + (f"{WIDTHS[name]} entries." if name in WIDTHS else "one entry per joint.")
+            + (f"{widths[name]} entries." if name in widths else "one entry per joint.")
             for name in function.arguments
             if name in ARGUMENTS
         ),

@@ -72,7 +72,7 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> dic
         "unpack_parameters": wrapped([f"p_{name}" for name in needed]),  # lines that name them
         "hoisted": kernel.hoisted,  # statements on parameters alone
         "hoisted_results": wrapped(kernel.constant_values),  # lines of the values that the body takes from there
-        "checks": _checks(function, kernel, joints) if not function.widths else (),
+        "checks": _checks(function, kernel, joints) if POSE not in function.widths else (),
         "constants": wrapped(kernel.constants),  # lines of the names of the values on parameters alone
         "body": kernel.body,
         "results": _nested(kernel.results, function.shape) if function.shape else (),  # lines of nested array literals
@@ -124,7 +124,8 @@ def _checks(function: Function, kernel: Kernel, joints: int) -> tuple[str, ...]:
     """Every argument is checked, and named where the kernel reads it."""
     lines: list[str] = []
     for kind in function.arguments:
-        length = f", {WIDTHS[kind]}" if kind in WIDTHS else ""
+        width = {**WIDTHS, **function.widths}.get(kind, 0)
+        length = f", {width}" if width else ""
         call = f"vector({javascript_string(camel_case(function.name))}, {javascript_string(kind)}, {kind}{length})"
         if kind not in kernel.arguments:
             lines.append(f"{call};")

@@ -67,7 +67,8 @@ def python_context(source: Source) -> dict[str, object]:
         **tables,
     }
     of_ends = {each.interface.any_end: ", ".join(each.arguments) for each in program if each.interface.end}
-    felt = {name: both for name, both in FELT.items() if all(each in program for each in both)}
+    passive = {name: width for function in program for name, width in function.widths.items()}
+    felt = {name: both for name, both in FELT.items() if all(each in program for each in both) and not passive}
     return heading(source, python_docstring) | {
         "constants": [  # tuples at the top of the module, on one line where that is enough
             {"name": name, "inside": _tuple(values), "lines": wrapped(values)}
@@ -75,7 +76,10 @@ def python_context(source: Source) -> dict[str, object]:
             for name, values in constants.items()
         ],
         "tables": tuple(tables),
-        "widths": [*WIDTHS.items(), ("wrench", WIDTHS["h"])],  # entries of arguments that have not one per joint
+        "widths": [
+            *({**WIDTHS, **passive}).items(),
+            ("wrench", WIDTHS["h"]),
+        ],  # entries of arguments that have not one per joint
         "has_parameters": bool(program.parameters),
         "has_dynamics": robot.has_dynamics,
         **case_context(program.all_tapes),
@@ -191,7 +195,11 @@ def _documentation(function: Function, *options: str) -> tuple[str, ...]:
     shape = ", ".join(("...", *map(str, function.shape)))
     lines = (
         "Args:",
-        *(f"    {k}: {ARGUMENTS[k]}, (..., {WIDTHS.get(k, 'n')})." for k in function.arguments if k in ARGUMENTS),
+        *(
+            f"    {k}: {ARGUMENTS[k]}, (..., {function.widths.get(k, WIDTHS.get(k, 'n'))})."
+            for k in function.arguments
+            if k in ARGUMENTS
+        ),
         "    params: Numbers of the free parameters; see the module's docstring.",
         "    out: Where to write the result, if not to a new array.",
         *options,

@@ -96,7 +96,9 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "result": re.sub(r"\W", "_", function.interface.symbol),  # the variable that is returned, ``B``
         "signature": ", ".join((*function.arguments, *(["params"] if parameters else []))),
         "summary": function.interface.summary,  # first line of its help
-        "documentation": _documentation(function, package, robot.dof, parameters) if not function.widths else (),
+        "documentation": _documentation(function, package, robot.dof, parameters)
+        if POSE not in function.widths
+        else (),
         "arguments": ", ".join(function.arguments),
         "rows": f"[{', '.join(map(str, widths))}]" if len(set(widths)) > 1 else robot.dof,  # entries of the arguments
         "params_place": len(function.arguments) + 1,  # place of the argument ``params``

@@ -44,6 +44,8 @@ def render(source: Source) -> dict[str, str]:
     base = program["base_parameters"].columns if "base_parameters" in program else ()
     written = {column.name: _formulas(column.formula, robot) for column in base}
     inverse = program.inverse or program.search
+    shown = {"q", "h", *(name for function in program for name in function.widths)}
+    shown |= {*("qd", "qdd", "tau")} if robot.has_dynamics else set()
     context = {
         "units": robot.units,
         "title": markdown_text(robot.title),
@@ -67,7 +69,7 @@ def render(source: Source) -> dict[str, str]:
         "search": program.search,
         "without_inverse": program.without_inverse,
         "solved_ends": [each.end for each in program.of_ends],
-        "arguments": [(name, text) for name, text in ARGUMENTS.items() if robot.has_dynamics or name in ("q", "h")],
+        "arguments": [(name, text) for name, text in ARGUMENTS.items() if name in shown],
         # symbols whose number is part of the code: it in SI units and in those of the robot file
         "numbers": [(n, to_text(x, write), to_text(in_symbol_units(robot, n, x), write)) for n, x in baked],
         "base": [(name, rounded) for name, (rounded, _) in written.items()],  # which the grammar keeps free of markup

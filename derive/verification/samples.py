@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from derive.errors import ExpressionError, VerificationError
-from derive.inverse.loops.linkage import linkage, positions
+from derive.inverse.loops.linkage import SolvedLoop, linkage, positions
 from derive.model.identification.base_parameters import base_set
 from derive.robot.description import Joint, Variable
 from derive.robot.evaluate import parameter_values, to_float
@@ -24,6 +24,7 @@ ATTEMPTS = 30  # draws from each range in search of physical inertia tensors
 SPECIAL = 2  # the zero configuration, which finds divisions by zero, and a state at rest, which finds signs of zero
 POOL = 1024  # configurations of a robot with loops that are tried
 CLEAR = 0.05  # share of the best clearance from the configurations in which passive joints are not determined
+BESIDE = 0.02  # how far passive joints start from where loops close [rad, or lengths of the arm]
 GENERIC = 3  # fewest other states of a set: at the special ones most wrong terms vanish
 Parameters = Mapping[str, Any]  # a number, or an array that broadcasts against the batch, for every free symbol
 
@@ -34,7 +35,8 @@ class SampleSet:
 
     parameters: Mapping[str, float]  # numbers of the free symbols
     oracle: Oracle  # the robot with these numbers
-    arguments: Mapping[str, Array]  # q, qd, qdd and tau, (samples, n) each, and h, (samples, 6)
+    # q, qd, qdd and tau, (samples, n) each, and h, (samples, 6); of loops without formulas q_p, and a start beside it.
+    arguments: Mapping[str, Array]
 
 
 def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[SampleSet, ...]:
@@ -49,7 +51,13 @@ def sample_sets(robot: Robot, samples: int, rng: np.random.Generator) -> tuple[S
         qd[-1] = 0.0
         tau = oracle.evaluate("inverse_dynamics", q, qd, qdd) if oracle.dynamic else np.zeros_like(q)
         h = rng.spawn(1)[0].uniform(-10.0, 10.0, (count, 6))  # without a change of what is drawn next
-        sets.append(SampleSet(parameters, oracle, {"q": q, "qd": qd, "qdd": qdd, "tau": tau, "h": h}))
+        arguments = {"q": q, "qd": qd, "qdd": qdd, "tau": tau, "h": h}
+        if oracle.is_iterated:
+            passive = oracle.following(q).x[:, oracle.arm.passive]
+            beside = BESIDE * rng.spawn(1)[0].uniform(-1.0, 1.0, passive.shape)
+            scale = np.where(oracle.arm.revolute[oracle.arm.passive], 1.0, oracle.arm.length)
+            arguments |= {"q_p": passive, "start": passive + beside * scale}
+        sets.append(SampleSet(parameters, oracle, arguments))
     return tuple(sets)
 
 
@@ -67,7 +75,8 @@ def oracle_of(
             found, exists = positions(robot, loops, list(q.T), numbers)
         return np.where(exists[:, None], np.stack([found[k] for k in passive], axis=-1), np.nan)
 
-    return replace(Oracle.of(robot, parameters, base), guess=_guess)
+    is_iterated = not all(isinstance(one, SolvedLoop) for one in loops)
+    return replace(Oracle.of(robot, parameters, base), guess=_guess, is_iterated=is_iterated)
 
 
 def _draw_positions(

@@ -67,6 +67,8 @@ class Bounds:
         self.extent = float(lengths.sum() + np.abs(arm.base[:3, 3]).sum() + np.abs(arm.tool[:3, 3]).sum())
         self.base_defect = float(np.abs(arm.base[:3, :3].T @ arm.base[:3, :3] - np.eye(3)).max())
         self.passive = np.where(arm.revolute, np.pi, self.extent)[arm.passive]  # bound of their positions
+        if oracle.is_iterated:  # and of what is missing
+            self.passive = np.append(self.passive, max(1.0, self.extent))
         self.rows = partial(task_rows, arm)  # of J, by part
         self.revolute = arm.revolute  # (n,) whether joint i turns
         self.inertia = np.where(arm.revolute, turning, mass) + own  # (n,) bound of B_ii
@@ -248,7 +250,8 @@ class PassiveExpectation(Expectation):
 
     def errors(self, got: Array) -> Array:
         """How far off positions are."""
-        turns = np.round((got - self.value) / (2 * np.pi)) * self.oracle.arm.revolute[self.oracle.arm.passive]
+        revolute = self.oracle.arm.revolute[self.oracle.arm.passive]
+        turns = np.round((got - self.value) / (2 * np.pi)) * np.resize([*revolute, False], got.shape[-1])
         return Expectation.errors(self, got - 2 * np.pi * turns)
 
 

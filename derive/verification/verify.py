@@ -235,9 +235,14 @@ class Trial:
 
     how: str  # the way in words, for messages
     run: Callable[[], Array]  # calls the generated function
-    arguments: tuple[Array, ...]  # what its values belong to, broadcast to (..., n) each, a wrench to (..., 6)
+    given: tuple[Array, ...]  # its arguments, broadcast to (..., n) each, a wrench to (..., 6)
     sample_set: SampleSet  # the parameters that belong to them
     repeated: int = 0  # rows of the value where it repeats the arguments over and over; else 0
+
+    @property
+    def arguments(self) -> tuple[Array, ...]:
+        """What its values belong to: all but the positions of passive joints, which follow."""
+        return self.given[:-1] if self.sample_set.oracle.is_iterated else self.given
 
 
 def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
@@ -272,7 +277,10 @@ def _arguments(function: str, sample_set: SampleSet) -> tuple[Array, ...]:
     count, n = sample_set.arguments["q"].shape
     if function == "coriolis_matrix":
         count = min(count, max(2, CHRISTOFFEL_BUDGET // n**4))
-    return tuple(sample_set.arguments[name][:count] for name in FUNCTIONS[stem(function)].arguments)
+    names = FUNCTIONS[stem(function)].arguments
+    if sample_set.oracle.is_iterated:
+        names = (*names, "start" if function == "passive_positions" else "q_p")
+    return tuple(sample_set.arguments[name][:count] for name in names)
 
 
 def _trial(
@@ -287,6 +295,8 @@ def _trial(
     if way == "broadcast":  # (samples, 1, n), (2, n) and (n,)
         first, second, third = arguments[:1], arguments[1:2], arguments[2:]
         shaped = [*(a[:, None, :] for a in first), *(a[:2] for a in second), *(a[-1] for a in third)]
+        if sample_set.oracle.is_iterated:  # passive joints belong to q
+            shaped[-1] = arguments[-1][:, None, :]
         run = partial(call, read_only(shaped), numbers)
         return Trial("broadcast batches", run, together(shaped), sample_set)
     assert way == "blocks", way  # the same configurations over and over, in more rows than one block holds

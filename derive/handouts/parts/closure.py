@@ -8,20 +8,22 @@ from derive.errors import listed
 from derive.handouts.layout.quantity import Item
 from derive.handouts.notation import derivation
 from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.printer import PlainPrinter
+from derive.handouts.notation.pieces import italic
+from derive.handouts.notation.printer import LatexPrinter, PlainPrinter
 from derive.handouts.notation.solution_printer import SignLatexPrinter, SignPrinter, pose_names, with_names
 from derive.handouts.parts.inverse import InversePart
 from derive.handouts.parts.inverse_words import and_list
 from derive.handouts.parts.table import end_lines, table_rows, tool_of
 from derive.handouts.sheet.context import Context, formula
 from derive.handouts.sheet.document import Block, Rows
-from derive.model.closure import Closure, LoopClosure
+from derive.model.closure import Closure, IteratedClosure, JoinedLoops, LoopClosure
 from derive.model.entries import ModelEntries, expanded_terms
 from derive.model.model import Model
 from derive.robot.coupling import derivatives
 from derive.robot.description import IDENTITY, Joining
 from derive.robot.expression import to_text
 
+SOLVED_NUMERICALLY = "they are solved numerically, in generated code by Newton steps from the last configuration"
 _MOST_SECOND = 12  # second derivatives that are printed
 
 
@@ -31,7 +33,10 @@ def closure(context: Context) -> Iterator[Block]:
         return
     loops = context.entries.model.closure.loops
     for number, one in enumerate(loops, 1):
-        yield from _loop(context, one, f"loop{number}" if len(loops) > 1 else "loop")
+        if isinstance(one, IteratedClosure):
+            yield from _iterated(context, one)
+        else:
+            yield from _loop(context, one, f"loop{number}" if len(loops) > 1 else "loop")
     yield context.paragraph(
         "The derivatives of the passive joints by the variables, $G$ the first and $H$ the second ones, follow from "
         "the velocities of the joined frames: $\\mathbf{G} = -\\mathbf{J}_p^{-1}\\,\\mathbf{J}_a$ where "
@@ -49,12 +54,12 @@ def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
     yield context.paragraph(
         "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`). The unknown joints of the loop are a serial arm, "
         "whose joints and frames are counted from 1 here, with this table in the modified convention:",
-        first=one.loop.join[0],
-        second=one.loop.join[1],
-        by=one.loop.by.value,
+        first=one.loops[0].join[0],
+        second=one.loops[0].join[1],
+        by=one.loops[0].by.value,
     )
     yield from table_rows(own)
-    if one.loop.by is Joining.DISTANCE:
+    if one.loops[0].by is Joining.DISTANCE:
         yield context.paragraph("Its first link is the rod, which may have any direction.")
     yield from own.announced("Before the first of them and behind the last:", end_lines(own, tool=tool_of(name)))
     pose = own.symbols.of_end("T").tex
@@ -66,12 +71,36 @@ def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
     lines = zip(one.solution.lines[len(one.known) :], one.inverse.named_lines, strict=True)
     chosen = tuple(row for line, each in lines if each.signs for row in writer.rows(line))
     yield from context.announced("The robot file chooses this assembly:", chosen)
+    yield from _dead_points(context, one)
+
+
+def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
+    """Loops without formulas: what remains of them."""
+    for loop in one.loops:
+        yield context.paragraph(
+            "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`).",
+            first=loop.join[0],
+            second=loop.join[1],
+            by=loop.by.value,
+        )
+    names = and_list(context.text, [f"${context.notation.glyph(name).box.tex}$" for name in one.passive])
+    yield context.paragraph(
+        "No elementary equations one after the other give %(names)s. These closure equations remain; they are solved "
+        "numerically, by Newton's method from the last configuration.",
+        names=names,
+    )
+    items = [Item(italic("0"), expanded_terms(e), partial(lambda e: e, e)) for e in one.equations]
+    yield formula(context, context.layouter.entries(items))
+    yield from _dead_points(context, one)
+
+
+def _dead_points(context: Context, one: JoinedLoops) -> Iterator[Block]:
     if one.zeros:
         where = and_list(context.text, [f"${context.printer.latex(zero)} = 0$" for zero in one.zeros], either=True)
         yield context.paragraph("$G$ and $H$ have no values where %(zeros)s.", zeros=where)
 
 
-def _derivatives(context: Context, loops: Sequence[LoopClosure]) -> Iterator[Block]:
+def _derivatives(context: Context, loops: Sequence[JoinedLoops]) -> Iterator[Block]:
     slopes = {name: one.slope for one in loops for name in one.names}
     second = [name for name in slopes if name.startswith("H_")]
     if is_left_out := len(second) > _MOST_SECOND:
@@ -92,7 +121,11 @@ def closure_lines(found: Closure, form: str, notation: Notation) -> list[str]:
     """The loops one after the other."""
     lines: list[str] = []
     for one in found.loops:
-        join, arm = f"{listed(one.loop.join)} are joined ({one.loop.by.value})", one.inverse
+        join = one.words
+        if isinstance(one, IteratedClosure):
+            lines += _iterated_lines(found, one, form, notation)
+            continue
+        arm = one.inverse
         signs = [f"{sign} = {choice}" for sign, choice in one.solution.signs.items()]
         names, solved = with_names(notation, arm), derivation.derivation_lines(arm, form, notation)
         if form == "latex":
@@ -106,7 +139,7 @@ def closure_lines(found: Closure, form: str, notation: Notation) -> list[str]:
             write = SignPrinter(found.robot, names, pose_names(arm)).doprint
             own = zip(one.solution.lines[len(one.known) :], arm.named_lines, strict=True)
             _, *table, _ = repr(arm.robot).splitlines()
-            if one.loop.by is Joining.DISTANCE:
+            if one.loops[0].by is Joining.DISTANCE:
                 table.append("its first link is the rod, in any direction")
             if arm.robot.tool != IDENTITY:
                 table.append(f"tool at {listed(to_text(row[3]) for row in arm.robot.tool[:3])}")
@@ -121,16 +154,36 @@ def closure_lines(found: Closure, form: str, notation: Notation) -> list[str]:
     return lines
 
 
+def _iterated_lines(found: Closure, one: IteratedClosure, form: str, notation: Notation) -> list[str]:
+    words = f"{one.words}; no elementary equations one after the other give {listed(one.passive)}: these remain"
+    told = f"{SOLVED_NUMERICALLY}, which say by how much loops are open"
+    if form == "latex":
+        rows = [f"  {LatexPrinter(notation).latex(e)} &= 0 \\\\" for e in one.equations]
+        return [f"% {words}", r"\begin{aligned}", *rows, r"\end{aligned}", f"% {told}"]
+    if form == "python":
+        return [f"# {words}", *(f"0 == {PlainPrinter().doprint(e)}" for e in one.equations), f"# {told}"]
+    write = SignPrinter(found.robot, notation, frozenset()).doprint
+    return [words, *(f"   {write(e)} = 0" for e in one.equations), told, f"G and H have {undefined([one])}"]
+
+
 def closure_parts(found: Closure) -> list[dict[str, Any]]:
     """What there is to know of each loop, as text that Python reads, for JSON."""
     write = PlainPrinter().doprint
-    return [
-        {"join": list(one.loop.join), "by": one.loop.by.value, "no_value_where_zero": list(map(write, one.zeros))}
-        | {"branch": {str(sign): choice for sign, choice in one.solution.signs.items()}}
-        | {"known": {write(line.symbol): write(line.value) for line in one.known}}
-        | derivation.derivation_parts(one.inverse)
-        for one in found.loops
-    ]
+    parts: list[dict[str, Any]] = []
+    for one in found.loops:
+        zeros = {"no_value_where_zero": list(map(write, one.zeros))}
+        if isinstance(one, IteratedClosure):
+            joined = [{"join": list(loop.join), "by": loop.by.value} for loop in one.loops]
+            equations = {"solved": "numerically", "zero": list(map(write, one.equations))}
+            parts.append({"loops": joined, **zeros, "passive": list(one.passive), **equations})
+            continue
+        parts.append(
+            {"join": list(one.loops[0].join), "by": one.loops[0].by.value, **zeros}
+            | {"branch": {str(sign): choice for sign, choice in one.solution.signs.items()}}
+            | {"known": {write(line.symbol): write(line.value) for line in one.known}}
+            | derivation.derivation_parts(one.inverse)
+        )
+    return parts
 
 
 def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -> list[str]:
@@ -148,7 +201,7 @@ def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -
     return lines
 
 
-def undefined(loops: Sequence[LoopClosure]) -> str:
+def undefined(loops: Sequence[JoinedLoops]) -> str:
     """Where the derivatives do not exist."""
     zeros = [f"{PlainPrinter().doprint(zero)} = 0" for one in loops for zero in one.zeros]
     return f"no value where {' or '.join(zeros)}" if zeros else "values wherever the loops close"

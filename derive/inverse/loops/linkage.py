@@ -12,17 +12,16 @@ Modeling, Identification and Control of Robots, 2002, chapter 7). G ceases to ex
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import combinations
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.algebra.domain import PolynomialDomain
-from derive.algebra.ring import Polynomial, determinant
+from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed, quoted
 from derive.inverse.closed.elementary_solver import Field
 from derive.inverse.closed.fields import FloatField
@@ -31,40 +30,33 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
 from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
+from derive.inverse.loops.closing import OPEN, SAMPLES, Array, Closing, Twist, are_opposed, gaps, reach, refused, twists
+from derive.inverse.loops.iterated import IteratedLoops, iterated
 from derive.inverse.loops.rod import rod_graph
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
-from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
+from derive.mechanics.chain import Domain
 from derive.mechanics.floats import ArrayDomain
-from derive.mechanics.vectors import Frame, S, Vector, column, cross, dot, multiply, scale, subtract, transpose
+from derive.mechanics.vectors import dot
 from derive.robot import tree
 from derive.robot.coupling import coupling, derivatives, second_derivative
 from derive.robot.description import Joining, Loop
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import Name
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
-Array = npt.NDArray[Any]
-Twist = tuple[Any, ...]  # linear velocity, then angular velocity, per unit of one rate
-
-_SAMPLES, _DRAWS = 256, 16  # configurations of the variables, and numbers of symbols, at which a loop is assembled
-_OPEN = 1e-9  # frames that miss each other by more [m, and entries of rotations] are not joined
+_DRAWS = 16  # numbers of symbols at which a loop is assembled
 _TINY = 1e-300  # [m] where nothing is missing
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
-@dataclass(frozen=True, eq=False)
-class SolvedLoop:
-    """A loop with the positions of its passive joints."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SolvedLoop(Closing):
+    """A loop with formulas of the positions of its passive joints."""
 
-    loop: Loop
     circuit: Circuit
     graph: SolutionGraph  # of the circuit's arm
     leaf: int  # which of its leaves is the branch that the file asks for
-    passive: tuple[int, ...]  # indices of the joints that it determines
-    rows: tuple[int, ...] = ()  # of the twists, that determine the passive rates
-    in_frame: bool = False  # whether the twists are in the axes of its first frame, not of where its branches begin
 
     def walk(
         self,
@@ -80,26 +72,6 @@ class SolvedLoop:
         run = kind(self.graph, field, pose, given)
         return run, list(run.leaves())[self.leaf]
 
-    def determinant(self, columns: Mapping[int, Twist]) -> Any:
-        """det J_p of the twists of the loop's joints."""
-        return determinant([[columns[p][row] for p in self.passive] for row in self.rows])
-
-    def numerators(self, columns: Mapping[int, Twist], right: Sequence[Any]) -> list[Any]:
-        """x det J_p of J_p x + right = 0, for each passive joint, by Cramer's rule."""
-        rows = [[columns[p][row] for p in self.passive] for row in self.rows]
-        replaced = ([[*r[:at], -e, *r[at + 1 :]] for r, e in zip(rows, right, strict=True)] for at in range(len(rows)))
-        return [determinant(matrix) for matrix in replaced]
-
-    def first(self, robot: Robot, columns: Mapping[int, Twist], domain: Domain[Any]) -> Iterator[tuple[Name, Any]]:
-        """The first derivatives by name, numerators over det J_p."""
-        matrix = coupling(robot)
-        for k, variable in enumerate(robot.variables):
-            shares = [(m, domain.constant(matrix[m][k])) for m in columns if m not in self.passive]
-            right = [sum((columns[m][row] * share for m, share in shares), domain.number(0)) for row in self.rows]
-            for p, numerator in zip(self.passive, self.numerators(columns, right), strict=True):
-                if (name := dict(robot.joints[p].follows).get(variable.variable)) is not None:
-                    yield name, numerator
-
 
 @dataclass(frozen=True)
 class Slopes:
@@ -111,43 +83,57 @@ class Slopes:
 
 
 @lru_cache(32)
-def linkage(robot: Robot) -> tuple[SolvedLoop, ...]:
-    """The solved loops of a robot, in the order of the file."""
-    found: list[SolvedLoop] = []
+def linkage(robot: Robot) -> tuple[Closing, ...]:
+    """The solved loops of a robot, in the order of the file, those together that no elementary equations solve."""
+    found: list[Closing] = []
+    waiting: list[tuple[Loop, QuantityError]] = []
     for loop in robot.loops:
-        before = [k for one in found for k in one.passive]
-        found.append(_solved(robot, loop, before))
-        found[-1] = _checked(robot, found)
+        known = [k for one in found for k in one.passive]
+        one: Closing | QuantityError | None = waiting[0][1] if waiting else _solved(robot, loop, known)
+        if isinstance(one, QuantityError):
+            waiting.append((loop, one))
+            one = iterated(robot, [each for each, _ in waiting], known, partial(_full, robot, tuple(found)))
+        if one is not None:
+            waiting.clear()
+            found.append(one)
+            found[-1] = _checked(robot, found)
+    if waiting:
+        raise waiting[0][1]
     return tuple(found)
 
 
-def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop:
+def _full(robot: Robot, loops: Sequence[Closing], q: Sequence[Array], values: Mapping[str, float]) -> list[Array]:
+    return positions(robot, loops, q, values)[0]
+
+
+def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | QuantityError:
+    """A loop with its formulas, or why it has none by itself."""
     unknown = {k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} - {*before}
     if not unknown:
         found, remedy = "over-constrained: loops above determine all its passive joints", "leave the loop out"
-        raise _refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
+        raise refused(robot, loop, found, remedy=f"{remedy}, or write passive: true on more of its joints")
     if loop.by is Joining.DISTANCE and len(unknown) > 1:
         found = f"{listed(robot.joints[k].variable for k in sorted(unknown))} move it, and a rod determines one joint"
-        raise _refused(robot, loop, found, remedy="write passive on one of them, or close loops of the others first")
+        return refused(robot, loop, found, remedy="write passive on one of them, or close loops of the others first")
     own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k in unknown)
     try:
         graph = solve(own.arm) if loop.by is not Joining.DISTANCE else _of_rod(robot, own)
     except QuantityError:  # its message is about the arm
         found = f"it does not determine {listed(robot.joints[k].variable for k in passive)}"
-        raise _refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops") from None
+        return refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops")
     if not graph.is_closed or any(node.kind is NodeKind.GENERAL for node in graph.nodes):
         why = graph.why_not or "an equation of higher degree remains"
         allowed = "allowed: loops whose passive joints follow from elementary equations one after the other"
-        raise _refused(robot, loop, f"no closed form: {why}", allowed, "close loops with fewer passive joints first")
+        return refused(robot, loop, f"no closed form: {why}", allowed, "close loops with fewer passive joints first")
     branches = [node.formulas[0].branches for node in graph.nodes if node.formulas[0].branches > 1]
     signs = loop.branch or "+" * len(branches)
     if len(signs) != len(branches) or any(count != 2 for count in branches):
         count = len(branches)
         allowed = f"allowed: {f'a sign for each of {count} choices' if count > 1 else 'one sign for 1 choice'}"
-        raise _refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
+        raise refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
     leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
-    return SolvedLoop(loop, own, graph, leaf, passive)
+    return SolvedLoop(loops=(loop,), passive=passive, circuit=own, graph=graph, leaf=leaf)
 
 
 def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
@@ -157,39 +143,16 @@ def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
     return graph
 
 
-def _frames(robot: Robot, loop: Loop, domain: Domain[S]) -> tuple[Chain[S], list[Frame[S]], list[Frame[S]]]:
-    """The chain, and the joint frames and joined frames of a loop, in the frame on which its branches begin."""
-    chain, own = build_chain(robot, domain), {k for branch in tree.around(robot, loop) for k in branch}
-    frames: list[Frame[S]] = []
-    for i, joint in enumerate(chain.joints):
-        # Rows of velocities in axes that turn with the rest of the tree would fail at some of its positions.
-        before = frames[joint.parent] if joint.parent in own else chain.unit
-        frames.append(before @ (joint.fixed @ joint.motion(chain.zero, chain.one)) if i in own else chain.unit)
-    joined: list[Frame[S]] = []
-    for carrier, behind in (way_frame(robot, label, domain) for label in loop.join):
-        frame = frames[carrier] @ chain.ends[carrier] if carrier >= 0 else chain.unit
-        joined.append(frame if behind is None else frame @ behind)
-    return chain, frames, joined
-
-
-def are_opposed(robot: Robot, loop: Loop) -> bool:
-    """Whether the z axes of the joined frames are opposed wherever the joints are: so is then that of the pin."""
-    source = np.random.default_rng(3)
-    values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
-    _, _, joined = _frames(robot, loop, ArrayDomain(robot, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), values))
-    one, other = (column(frame.rotation, 2) for frame in joined)
-    return bool(np.all(np.abs(dot(one, other) + 1.0) < _OPEN))
-
-
 def _columns(
-    robot: Robot, one: SolvedLoop, values: Mapping[str, float], full: Sequence[Array]
+    robot: Robot, one: Closing, values: Mapping[str, float], full: Sequence[Array]
 ) -> tuple[dict[int, Array], list[Array]]:
     """Twists of the joints of a loop and of its closure where it is assembled, (configurations, 6) each."""
     found, closing = twists(robot, one, ArrayDomain(robot, full, values))
-    unit = max(np.abs(x).max() for twist in found.values() for x in twist[:3]) or 1.0  # of lengths
+    linear = [x for twist in found.values() for k, x in enumerate(twist) if k % 6 < 3]
+    unit = max(np.abs(x).max() for x in linear) or 1.0  # of lengths
 
     def _column(twist: Twist) -> Array:
-        lengths = np.where(np.arange(6) < 3, unit, 1.0)
+        lengths = np.where(np.arange(len(twist)) % 6 < 3, unit, 1.0)
         return np.stack([np.broadcast_to(x, len(full[0])) for x in twist], axis=-1) / lengths
 
     return {k: _column(twist) for k, twist in found.items()}, [_column(twist) for twist in closing]
@@ -218,7 +181,7 @@ def _volume(columns: Sequence[Array]) -> Array:
     return np.asarray(np.prod(np.linalg.svd(np.stack(columns, axis=-1), compute_uv=False), axis=-1))
 
 
-def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
+def _checked(robot: Robot, loops: Sequence[Closing]) -> Closing:
     """The last loop with the rows that determine its rates, if it can be assembled and is neither loose nor locked."""
     one, (values, _, full, missing) = loops[-1], assembled(robot, loops)
     columns, closing = _columns(robot, one, values, full)
@@ -228,29 +191,31 @@ def _checked(robot: Robot, loops: Sequence[SolvedLoop]) -> SolvedLoop:
         active = [robot.joints[k].variable for k, column in columns.items() if _rank([*passive, column]) > rank]
         found = f"over-constrained: {locked} of {listed(active)} depend{'s' * (locked == 1)} on the others"
         remedy = f"write passive: true on {locked} more joint{'s' * (locked > 1)}"
-        raise _refused(robot, one.loop, found, remedy=f"{remedy}, correct frames, or leave the loop out")
+        raise refused(robot, one.loop, found, remedy=f"{remedy}, correct frames, or leave the loop out")
     if missing > 0.0:
         found = "no closed form: it closes where its elementary equations have no solution"
-        if missing > _OPEN:
+        if missing > OPEN:
             found = f"it cannot be assembled: at best {missing:.3g} m are missing"
-        raise _refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
-    choices: list[tuple[float, SolvedLoop]] = []
+        raise refused(robot, one.loop, found, remedy="correct lengths, frames or limits")
+    choices: list[tuple[float, Closing]] = []
     for in_frame in (False, True):
         turned = replace(one, in_frame=in_frame)
         columns, closing = _columns(robot, turned, values, full)
         own = [columns[k] for k in one.passive]
         # Rows in which the closure has no part, and which determine the rates of the passive joints.
-        free = [row for row in range(6) if all(np.abs(column[:, row]).max() < _RANK for column in closing)]
+        free = [
+            row for row in range(6 * len(one.loops)) if all(np.abs(column[:, row]).max() < _RANK for column in closing)
+        ]
         for rows in combinations(free, len(own)):
             if _rank([column[:, list(rows)] for column in own]) == len(own):
                 choices.append((_fidelity(rows, own, closing), replace(turned, rows=rows)))
     if choices:
         return max(choices, key=lambda choice: choice[0])[1]  # the first of the best
     found = "no velocities are free of the joint that closes it"
-    raise _refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
+    raise refused(robot, one.loop, found, remedy="write that joint as a row of the table, and close by: fixed")
 
 
-def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, float], list[Array], list[Array], float]:
+def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float], list[Array], list[Array], float]:
     """Numbers of all symbols, positions of variables and joints in configurations in which the loops close, and zero.
 
     Where there are none, some others and what is missing at best [m].
@@ -262,34 +227,29 @@ def assembled(robot: Robot, loops: Sequence[SolvedLoop]) -> tuple[dict[str, floa
         for variable in robot.variables:
             most = math.pi if variable.is_revolute else way
             low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
-            q.append(source.uniform(low, high, _SAMPLES))
+            q.append(source.uniform(low, high, SAMPLES))
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():
             return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
-    if loops[-1].loop.by is Joining.DISTANCE:
-        missing = float(np.abs(_stretch(robot, loops[-1].loop, full, values)).min()) + _TINY
-        return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), missing
-    frame = loops[-1].circuit.pose(ArrayDomain(robot, full, values))
-    entries = [np.broadcast_to(x, _SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
-    arm = Problem(NumericChain.of(loops[-1].circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
-    arm = replace(arm, free=np.array([k not in loops[-1].graph.given for k in range(arm.chain.n)]))
-    closest, _ = fit(arm, np.full((_SAMPLES, arm.chain.n), 0.7))
+    if not isinstance(last := loops[-1], SolvedLoop):
+        assert isinstance(last, IteratedLoops)
+        return (
+            numbers,
+            q,
+            list(source.uniform(-2, 2, (robot.n, SAMPLES))),
+            float(last.searched(numbers)[2].min()) + _TINY,
+        )
+    if last.loop.by is Joining.DISTANCE:
+        missing = float(np.abs(_stretch(robot, last.loop, full, values)).min()) + _TINY
+        return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
+    frame = last.circuit.pose(ArrayDomain(robot, full, values))
+    entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
+    arm = Problem(NumericChain.of(last.circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
+    arm = replace(arm, free=np.array([k not in last.graph.given for k in range(arm.chain.n)]))
+    closest, _ = fit(arm, np.full((SAMPLES, arm.chain.n), 0.7))
     missing = float((arm.residual(closest) * arm.unit).min()) + _TINY
-    return numbers, q, list(source.uniform(-2, 2, (robot.n, _SAMPLES))), missing
-
-
-def reach(robot: Robot, values: Mapping[str, Any]) -> float:
-    """The lengths of all rows together [m], further than which no slide goes; 1 where there are none."""
-    cells = [cell for joint in robot.joints for cell in (joint.a, joint.d)] + tree.lengths(robot)
-    cells += [loop.length for loop in robot.loops]
-    return sum(abs(to_float(cell, values)) for cell in cells) or 1.0
-
-
-def gaps(robot: Robot, loop: Loop, domain: Domain[S]) -> Vector[S]:
-    """The way between the origins of the joined frames, zero where they are one."""
-    _, _, (one, other) = _frames(robot, loop, domain)
-    return subtract(one.position, other.position)
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
 
 
 def _stretch(robot: Robot, loop: Loop, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
@@ -298,13 +258,8 @@ def _stretch(robot: Robot, loop: Loop, full: Sequence[Array], values: Mapping[st
     return np.asarray(np.sqrt(dot(way, way)) - to_float(loop.length, values))
 
 
-def _refused(robot: Robot, loop: Loop, found: str, allowed: str = "", remedy: str = "") -> QuantityError:
-    what = f"the loop of {robot.name} that joins {listed(loop.join)}: {found}"
-    return QuantityError(what, allowed=allowed, remedy=remedy, location=loop.location)
-
-
 def positions(
-    robot: Robot, loops: Sequence[SolvedLoop], q: Sequence[Array], values: Mapping[str, Any] | None = None
+    robot: Robot, loops: Sequence[Closing], q: Sequence[Array], values: Mapping[str, Any] | None = None
 ) -> tuple[list[Array], Array]:
     """Of all joints, in arrays of configurations of the variables [rad or m], and where they can be assembled."""
     values = parameter_values(robot) if values is None else values
@@ -312,6 +267,13 @@ def positions(
     full = [sum((s * x for s, x in zip(row, q, strict=True)), np.zeros(shape)) for row in constant_rows(robot, values)]
     missing = np.zeros(shape)
     for one in loops:
+        if isinstance(one, IteratedLoops):
+            found, gap = one.positions(q, values)
+            missing = np.maximum(missing, gap)
+            for place, x in zip(one.passive, found, strict=True):
+                full[place] = x
+            continue
+        assert isinstance(one, SolvedLoop)
         run, leaf = one.walk(ArrayDomain(robot, full, values), FloatField(values), full.__getitem__)
         # The formulas hold at poses that the arm reaches: lengths may be short, planes apart, and axes opposed.
         for miss in misses(run, leaf):
@@ -321,7 +283,7 @@ def positions(
                 full[place] = np.broadcast_to(angle, shape)
         if one.loop.by is Joining.DISTANCE:  # no entry of a pose
             missing = np.maximum(missing, np.abs(_stretch(robot, one.loop, full, values)))
-    return full, missing < _OPEN
+    return full, missing < OPEN
 
 
 def constant_rows(robot: Robot, values: Mapping[str, Any]) -> list[list[float]]:
@@ -331,7 +293,7 @@ def constant_rows(robot: Robot, values: Mapping[str, Any]) -> list[list[float]]:
 
 
 def rates(
-    robot: Robot, loops: Sequence[SolvedLoop], full: Sequence[Any], values: Mapping[str, Any]
+    robot: Robot, loops: Sequence[Closing], full: Sequence[Any], values: Mapping[str, Any]
 ) -> tuple[Array, Array]:
     """S where the joints are at ``full``, (joints, n, ...), and how far loops are from dead points, (...).
 
@@ -352,34 +314,7 @@ def rates(
     return matrix, far
 
 
-def twists(robot: Robot, one: SolvedLoop, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:
-    """Twists of the loop's first frame against the second, per rate of each joint and of those of the closure."""
-    loop = one.loop
-    chain, frames, joined = _frames(robot, loop, domain)
-    end, back, is_slide = joined[0], transpose(joined[0].rotation), loop.by is Joining.PRISMATIC
-    # Unless one slides along the other their origins are one point, to which each branch has a way of its own.
-    points = [end.position, end.position if is_slide else joined[1].position]
-    rod = subtract(*points[::-1]) if loop.by is Joining.DISTANCE else None
-
-    def _in_axes(linear: Vector[S], angular: Vector[S]) -> Twist:
-        if rod is not None:  # ball joints leave the velocity along it alone
-            return (dot(rod, linear), *chain.null, *chain.null[:2])
-        return (*multiply(back, linear), *multiply(back, angular)) if one.in_frame else (*linear, *angular)
-
-    found: dict[int, Twist] = {}
-    for branch, way, point in zip(tree.around(robot, loop), (1, -1), points, strict=True):
-        for k in branch:
-            z = scale(way * robot.joints[k].sign, column(frames[k].rotation, 2))
-            turns = chain.joints[k].revolute
-            linear = cross(z, subtract(point, frames[k].position)) if turns else z
-            found[k] = _in_axes(linear, z if turns else chain.null)
-    z = column(end.rotation, 2)
-    axes = {Joining.REVOLUTE: [z], Joining.SPHERICAL: [column(end.rotation, i) for i in range(3)]}.get(loop.by, [])
-    slides = [_in_axes(z, chain.null)] if is_slide else []
-    return found, [*slides, *(_in_axes(chain.null, axis) for axis in axes)]
-
-
-def slopes(robot: Robot, one: SolvedLoop, domain: PolynomialDomain) -> Slopes:
+def slopes(robot: Robot, one: Closing, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
     (columns, _), zero = twists(robot, one, domain), domain.ring.zero
     first = {name.name: numerator for name, numerator in one.first(robot, columns, domain)}

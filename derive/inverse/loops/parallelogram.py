@@ -20,7 +20,8 @@ import numpy as np
 from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.errors import QuantityError
-from derive.inverse.loops.linkage import Array, SolvedLoop, assembled, linkage, positions
+from derive.inverse.loops.closing import Array, Closing
+from derive.inverse.loops.linkage import assembled, linkage, positions
 from derive.mechanics.exact import Kinematics
 from derive.mechanics.vectors import column, cross, dot, subtract
 from derive.robot.coupling import position
@@ -46,7 +47,7 @@ def reduced(robot: Robot) -> Robot:
     return robot
 
 
-def _proposed(robot: Robot, loops: tuple[SolvedLoop, ...]) -> Iterator[tuple[Joint, ...]]:
+def _proposed(robot: Robot, loops: tuple[Closing, ...]) -> Iterator[tuple[Joint, ...]]:
     """The joints of a robot, the passive ones of the last loop as they follow the variables at some configurations."""
     places, names = loops[-1].passive, [each.variable for each in robot.variables]
     turns = np.array([[robot.joints[k].is_revolute] for k in places])

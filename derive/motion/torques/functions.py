@@ -41,6 +41,9 @@ class Functions:
         self.n = robot.dof
         bare = bare_robot(robot)
         program = program_of(bare, names, inverse=inverse)
+        if any(function.widths for function in program):
+            found = f"functions of {robot.name} in a motion, where loops are solved numerically"
+            raise QuantityError(found, remedy="call passive_positions of the generated code from sample to sample")
         compiled = calls * max(sum(counts.values()) for counts in program.operations.values()) * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
         self._parameters, self._inverse = program.parameters, program.inverse

@@ -13,7 +13,7 @@ from derive.mechanics.joint_motion import to_child, to_parent
 from derive.mechanics.vectors import Frame, Vector, add, column, cross, multiply, subtract, transpose
 from derive.programs.formulations.cheapest_kinematics import cheapest_end_jacobian, cheapest_links
 from derive.programs.formulations.choice import Formulation
-from derive.programs.formulations.trace import Trace, flat
+from derive.programs.formulations.trace import Trace, flat, iterated_positions
 from derive.programs.optimise.improve import improved_values
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.derivative import derivative, gradient
@@ -98,6 +98,10 @@ def hessians(trace: Trace) -> Iterator[Formulation]:
 
 def passive_positions(trace: Trace) -> Iterator[Formulation]:
     """Formulations of the variables of passive joints."""
+    if trace.passive.is_given:
+        found = partial(iterated_positions, trace.robot, trace.graph)
+        yield Formulation("damped Newton from the last configuration", found)
+        return
     places = [k for k, joint in enumerate(trace.robot.joints) if joint.follows]
     yield Formulation("closed form, one branch", lambda: [trace.domain.argument(Q, k) for k in places])
 

@@ -10,9 +10,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
 from itertools import product
 from math import prod
+from typing import TYPE_CHECKING
 
 from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
@@ -39,7 +40,7 @@ from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.field import ClosingField, ClosingWalk
 from derive.programs.tape.graph import Graph
-from derive.programs.tape.value import QD, QDD, Passive, Q, TapeDomain, Value
+from derive.programs.tape.value import PASSIVE, QD, QDD, Passive, Q, TapeDomain, Value, least_squares
 from derive.robot import tree
 from derive.robot.coupling import coupling
 from derive.robot.evaluate import evaluate
@@ -47,6 +48,9 @@ from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, robot_symbols
 from derive.robot.options.style import Contraction
 from derive.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from derive.inverse.loops.linkage import SolvedLoop
 
 _ARGUMENTS = {Kind.VARIABLE: Q, Kind.RATE: QD, Kind.ACCELERATION: QDD}
 _LATE = (Kind.SINE, Kind.COSINE, *_ARGUMENTS)  # what depends on the arguments
@@ -333,20 +337,19 @@ def passive_joints(robot: Robot, graph: Graph) -> Passive:
     found, bare = Passive(), replace(robot, links=(), gravity=None)
     if not robot.loops:
         return found
-    from derive.inverse.loops.linkage import linkage, twists  # the inverse kinematics, which few programs need
+    from derive.inverse.loops.closing import twists
+    from derive.inverse.loops.linkage import SolvedLoop, linkage  # the inverse kinematics, which few programs need
 
-    variables = [variable.variable for variable in robot.variables]
-    for one in linkage(robot):
-        domain, numbers = TapeDomain(robot, graph, passive=found), dict[int, tuple[Value, ...]]()
-        # The three angles of a ball joint have singular poses where the ball itself has none.
-        kind = GraphWalk if one.circuit.places.count(-1) > 1 else ClosingWalk
-        _, leaf = one.walk(domain, ClosingField(domain), partial(domain.argument, Q), kind)
-        for place, shift, own in zip(one.circuit.places, one.graph.shifts, leaf.joints, strict=True):
-            if place in one.passive:
-                constant = domain.cosine_sine(shift) if len(own) == 2 else domain.constant(shift)
-                numbers[place] = turned(own, constant, -1) if isinstance(constant, tuple) else (own[0] - constant,)
-        found = replace(found, numbers={**found.numbers, **numbers})
+    variables, loops = [variable.variable for variable in robot.variables], linkage(robot)
+    if not all(isinstance(one, SolvedLoop) for one in loops):
+        domain, places = TapeDomain(robot, graph), [k for k, joint in enumerate(robot.joints) if joint.follows]
+        given = {place: _numbers(robot, place, domain.variable(PASSIVE, k)) for k, place in enumerate(places)}
+        found = Passive(given, is_given=True)
+    for one in loops:
         domain = TapeDomain(robot, graph, passive=found)
+        if isinstance(one, SolvedLoop) and not found.is_given:
+            found = replace(found, numbers={**found.numbers, **_solved(one, domain)})
+            domain = TapeDomain(robot, graph, passive=found)
         columns, _ = twists(bare, one, domain)
         determinant, numerators = one.determinant(columns), one.first(robot, columns, domain)
         slopes: dict[Expression, Value] = {name: numerator / determinant for name, numerator in numerators}
@@ -359,6 +362,56 @@ def passive_joints(robot: Robot, graph: Graph) -> Passive:
             biases[p] = sum((a * b for a, b in zip(moved, shares, strict=True)), domain.number(0))
         found = replace(found, biases={**found.biases, **biases})
     return found
+
+
+def _numbers(robot: Robot, place: int, value: Value) -> tuple[Value, ...]:
+    return (value.cos(), value.sin()) if robot.joints[place].is_revolute else (value,)
+
+
+def _solved(one: SolvedLoop, domain: TapeDomain) -> dict[int, tuple[Value, ...]]:
+    """The numbers of the passive joints of a loop in closed form."""
+    numbers = dict[int, tuple[Value, ...]]()
+    # The three angles of a ball joint have singular poses where the ball itself has none.
+    kind = GraphWalk if one.circuit.places.count(-1) > 1 else ClosingWalk
+    _, leaf = one.walk(domain, ClosingField(domain), partial(domain.argument, Q), kind)
+    for place, shift, own in zip(one.circuit.places, one.graph.shifts, leaf.joints, strict=True):
+        if place in one.passive:
+            constant = domain.cosine_sine(shift) if len(own) == 2 else domain.constant(shift)
+            numbers[place] = turned(own, constant, -1) if isinstance(constant, tuple) else (own[0] - constant,)
+    return numbers
+
+
+def iterated_positions(robot: Robot, graph: Graph) -> list[Value]:
+    """Passive joints by damped Newton steps from where they are given, and by how much the loops are open then."""
+    from derive.inverse.loops.closing import lengths, openings, twists
+    from derive.inverse.loops.iterated import STEP, STEPS
+    from derive.inverse.loops.linkage import SolvedLoop, linkage
+
+    bare, numbers = replace(robot, links=(), gravity=None), dict[int, tuple[Value, ...]]()
+    domain, places = TapeDomain(robot, graph), [k for k, joint in enumerate(robot.joints) if joint.follows]
+    open_by, unit = domain.number(0), sum((abs(domain.constant(cell)) for cell in lengths(robot)), domain.number(0))
+    at = {place: domain.variable(PASSIVE, k) for k, place in enumerate(places)}
+    for one in linkage(robot):
+        if isinstance(one, SolvedLoop):
+            numbers |= _solved(one, domain)
+            domain = TapeDomain(robot, graph, passive=Passive(numbers))
+            at |= {place: domain.argument(Q, place) for place in one.passive}
+            continue
+        for step in range(STEPS + 1):
+            numbers |= {place: _numbers(robot, place, at[place]) for place in one.passive}
+            domain = TapeDomain(robot, graph, passive=Passive(numbers))
+            rows, misses = openings(bare, one, domain)
+            if step == STEPS:
+                open_by = reduce(Value.maximum, map(abs, misses), open_by)
+                break
+            columns, _ = twists(bare, one, domain)
+            slopes = [[columns[p][row] for row in one.rows] for p in one.passive]
+            change = least_squares(slopes, [1] * len(slopes), [rows[row] for row in one.rows])
+            turns = [robot.joints[p].is_revolute for p in one.passive]
+            sizes = [abs(x) if turn else abs(x) / unit for x, turn in zip(change, turns, strict=True)]
+            damping = (reduce(Value.maximum, sizes) / Fraction(STEP)).maximum(1)
+            at |= {p: at[p] - x / damping for p, x in zip(one.passive, change, strict=True)}
+    return [*(at[place] for place in places), open_by]
 
 
 def rates(robot: Robot, passive: Passive, domain: TapeDomain) -> dict[Value, Value]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
+from functools import reduce
 
 from derive.algebra import constants
 from derive.algebra.angles import composed, decompose
@@ -111,7 +112,7 @@ class Value:
 # the numbers: a multiple of pi/2 exchanges sine and cosine, any other goes into the angle, cos(q + offset), which costs
 # less than the addition theorem.
 
-Q, QD, QDD, TAU, WRENCH = "q", "qd", "qdd", "tau", "h"  # kinds of arguments
+Q, QD, QDD, TAU, WRENCH, PASSIVE = "q", "qd", "qdd", "tau", "h", "q_p"  # kinds of arguments
 _OF_JOINTS = frozenset({Q, QD, QDD, TAU})  # those with one entry per joint
 
 
@@ -122,6 +123,7 @@ class Passive:
     numbers: Mapping[int, tuple[Value, ...]] = field(default_factory=dict)  # cosine and sine of the variable, or length
     slopes: Mapping[Expression, Value] = field(default_factory=dict)  # derivatives by the variables, by their names
     biases: Mapping[int, Value] = field(default_factory=dict)  # accelerations while the variables have none
+    is_given: bool = False  # whether functions take their positions, which follow from no formulas
 
 
 class TapeDomain:
@@ -263,3 +265,30 @@ class TapeDomain:
         angle = variable + rest
         c, s = angle.cos(), angle.sin()
         return ((c, s), (-s, c), (-c, -s), (s, -c))[int(whole) % 4]
+
+
+def least_squares(
+    columns: Sequence[Sequence[Value]], weights: Sequence[Value | int], right: Sequence[Value]
+) -> list[Value]:
+    """The x for which the weighted sum of the squares of A x - b is least, by the modified method of Gram and Schmidt.
+
+    It loses the digits of the condition of A, not of its square (Bjorck, Numerical Methods for Least Squares Problems,
+    section 2.4), and without square roots.
+    """
+    rest = [list(column) for column in (*columns, right)]
+    factors: list[list[Value]] = []
+    for j in range(len(columns)):
+        weighted = [weight * value for weight, value in zip(weights, rest[j], strict=True)]
+        square = dot_product(weighted, rest[j])
+        factors.append([dot_product(weighted, other) / square for other in rest[j + 1 :]])
+        for other, factor in zip(rest[j + 1 :], factors[j], strict=True):
+            other[:] = [value - factor * own for value, own in zip(other, rest[j], strict=True)]
+    found: list[Value] = []
+    for row in reversed(factors):
+        found.insert(0, row[-1] - dot_product(row[:-1], found) if found else row[-1])
+    return found
+
+
+def dot_product(a: Sequence[Value], b: Sequence[Value]) -> Value:
+    """The sum of the products of two rows of values."""
+    return reduce(Value.__add__, map(Value.__mul__, a, b))

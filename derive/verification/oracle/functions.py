@@ -154,6 +154,7 @@ class Oracle:
     identification: Identification | None = None
     wrenches: tuple[str, ...] = ()  # axes of a wrench that its dynamics take
     guess: Guess | None = None  # of the passive joints, where loops close; None without loops
+    is_iterated: bool = False  # whether generated code finds passive joints by iteration, and tells what is missing
 
     @classmethod
     def of(
@@ -217,6 +218,8 @@ class Oracle:
             return definition.function(of, *arrays)
         known, axes = self.following(arrays[0]), definition.joints
         value = definition.function(of, *known.arguments(definition.arguments, arrays))
+        if self.is_iterated and name == "passive_positions":
+            return np.concatenate([value, np.zeros((*value.shape[:-1], 1))], axis=-1)
         value = by_variables(value, known.slope, axes)
         if self.arm.loops and (rigid := BENT.get(stem(name))):
             bent = FUNCTIONS[rigid].function(of, known.x) @ known.slope_dot(arrays[1])

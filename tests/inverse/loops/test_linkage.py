@@ -10,7 +10,8 @@ import pytest
 from derive.errors import DeriveError
 from derive.inverse.closed.solve import solve
 from derive.inverse.loops.circuit import circuit
-from derive.inverse.loops.linkage import linkage, positions, twists
+from derive.inverse.loops.closing import twists
+from derive.inverse.loops.linkage import linkage, positions
 from derive.mechanics.floats import ArrayDomain
 from derive.robot.robot import Robot
 from tests.random_robots import seeds
