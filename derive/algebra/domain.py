@@ -13,8 +13,7 @@ from derive.algebra.generators import MAX_MULTIPLE, SPECIAL, Generator, Kind, ca
 from derive.algebra.ring import UNBOUNDED, Polynomial, Ring
 from derive.errors import ExpressionError
 from derive.robot import tree
-from derive.robot.coupling import coupling, drives, position, second_derivative
-from derive.robot.description import Joint
+from derive.robot.description import Joint, coupling, drives, position, second_derivative
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, add, multiply, power
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import Contraction

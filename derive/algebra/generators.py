@@ -12,8 +12,7 @@ from math import isqrt, lcm
 
 from derive.algebra.angles import ExactAngle, decompose
 from derive.robot import tree
-from derive.robot.coupling import derivatives
-from derive.robot.description import INERTIA
+from derive.robot.description import INERTIA, derivatives
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, Product, Sum, children, power, rebuilt
 from derive.robot.robot import Robot
 

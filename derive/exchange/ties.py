@@ -11,8 +11,7 @@ from derive.exchange.certificate import ball
 from derive.exchange.numeric import text
 from derive.exchange.reading.elements import free_name
 from derive.mechanics.space import NOTHING, Real
-from derive.robot.coupling import coupling
-from derive.robot.description import End, Joining, Joint
+from derive.robot.description import End, Joining, Joint, coupling
 from derive.robot.expression import Name
 from derive.robot.robot import Robot
 from derive.robot.tree import ends

@@ -16,7 +16,7 @@ from functools import lru_cache
 
 from derive.errors import CheckError, ExpressionError, Location, UnknownNameError, listed, placed, quoted
 from derive.robot import expression as tree
-from derive.robot.coupling import derivatives
+from derive.robot.description import derivatives
 from derive.robot.expression import Call, Expression, Name, Sum, names, to_text
 from derive.robot.names import acceleration_name, joint_label, joint_labels, own_names, velocity_name
 from derive.robot.parser import FORMULA_FUNCTIONS, TokenKind, parse_expression, place, tokenize

@@ -10,8 +10,7 @@ from derive.mechanics.chain import Body, Chain, build_chain, constant_vector, wa
 from derive.mechanics.energy import inertia_matrix, potential_energy
 from derive.mechanics.vectors import Frame, Symmetric, Vector, add, column, cross, multiply, scale, subtract
 from derive.robot import tree
-from derive.robot.coupling import projected
-from derive.robot.description import Convention, Inertia, Motor
+from derive.robot.description import Convention, Inertia, Motor, projected
 from derive.robot.expression import ZERO, Name
 from derive.robot.robot import Robot
 

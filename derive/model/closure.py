@@ -24,8 +24,7 @@ from derive.inverse.words.solutions import InverseKinematics, Solution
 from derive.lecture.point import DIGITS, KEPT, value_of
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.kinematic_model import KinematicModel
-from derive.robot.coupling import derivatives
-from derive.robot.description import Joining, Loop
+from derive.robot.description import Joining, Loop, derivatives
 from derive.robot.expression import Call, Expression, Name, Number, Power, add, multiply, names, number, substitute
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot

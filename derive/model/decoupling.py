@@ -22,8 +22,7 @@ from derive.errors import QuantityError, listed
 from derive.lecture.sympy_conversion import Expr
 from derive.model.dynamic_model import DynamicModel
 from derive.robot import tree
-from derive.robot.coupling import derivatives
-from derive.robot.description import Motor
+from derive.robot.description import Motor, derivatives
 from derive.robot.expression import Name, names
 from derive.robot.options.style import Grouping
 

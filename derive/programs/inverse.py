@@ -16,10 +16,9 @@ from fractions import Fraction
 from functools import reduce
 
 from derive.inverse.closed.branches import starts
-from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph, pose_of
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import Freedom, refusal, solve
-from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.inverse.general.rigid_motion import BESIDE
 from derive.inverse.general.search import GeneralSolution
 from derive.inverse.numeric.chain import POSE as WHOLE

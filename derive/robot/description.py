@@ -1,9 +1,11 @@
 """What a robot file says: the rows of the table, the links, and what is around them; exact, in SI units and radians."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from fractions import Fraction
+from itertools import combinations_with_replacement
+from typing import Any
 
 from derive.errors import Location
 from derive.robot.expression import ONE, ZERO, Expression, Name, add, multiply, negate, number, to_text
@@ -124,10 +126,7 @@ class Joint:
         moving = "theta" if self.is_revolute else "d"
         cells = {"theta": self.theta, "d": self.d, "a": self.a, "alpha": self.alpha}
         row = {name: write(cell) for name, cell in cells.items()}
-        variable = self.variable if self.sign > 0 else f"-{self.variable}"
-        if self.drive:
-            variable = to_text(add(*(multiply(factor, Name(name)) for name, factor in self.drive)))
-        constant = row[moving]
+        variable, constant = to_text(position(self)), row[moving]
         rest = f" - {constant[1:]}" if constant.startswith("-") else f" + {constant}"
         return row | {moving: variable if constant == "0" else variable + rest}
 
@@ -373,3 +372,47 @@ class Description:
     def is_tree(self) -> bool:
         """Whether it is more than one chain of rows of the table, each behind the one above with its own variable."""
         return bool(self.fixed or self.ends or self.coupled) or any(joint.stand for joint in self.joints)
+
+
+# -- how the joints follow the variables: positions of joints are S q and constants, S a constant matrix. Rows of S that
+# belong to passive joints of closed loops are not constant: they stand for the derivatives of their positions.
+
+
+def drives(joint: Joint) -> tuple[tuple[str, Expression], ...]:
+    """The variables of a joint with their factors in its cell."""
+    return joint.drive or ((joint.variable, ONE if joint.sign > 0 else negate(ONE)),)
+
+
+def position(joint: Joint) -> Expression:
+    """What is variable of a joint's cell."""
+    return add(*(multiply(factor, Name(variable)) for variable, factor in drives(joint)))
+
+
+def second_derivative(joint: Joint, one: str, other: str) -> Name:
+    """The name of the second derivative of a passive joint's variable by two variables that it follows."""
+    first, second = (name for name, _ in joint.follows if name in (one, other)) if one != other else (one, one)
+    return Name(f"H_{joint.variable}_{first}_{second}")
+
+
+def derivatives(robot: Description) -> dict[tuple[str, ...], Name]:
+    """The names of first and second derivatives by passive joint and variables: of (q3, q1) G_q3_q1."""
+    found: dict[tuple[str, ...], Name] = {}
+    found |= {(joint.variable, name): factor for joint in robot.passive for name, factor in joint.follows}
+    for joint in robot.passive:
+        for pair in combinations_with_replacement([name for name, _ in joint.follows], 2):
+            found[joint.variable, *pair] = second_derivative(joint, *pair)
+    return found
+
+
+def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda factor: factor) -> list[list[Any]]:
+    """S, a row for each joint and a column for each variable."""
+    rows = (dict(joint.drive or joint.follows) or {joint.variable: ONE} for joint in robot.joints)
+    return [[scalar(row.get(variable.variable, ZERO)) for variable in robot.variables] for row in rows]
+
+
+def projected(values: Sequence[Any], matrix: Sequence[Sequence[Any]], zero: Any) -> list[Any]:
+    """S^T v: what joints feel, as the variables feel it."""
+    return [
+        sum((row[k] * value for row, value in zip(matrix, values, strict=True) if row[k]), zero)
+        for k in range(len(matrix[0]))
+    ]

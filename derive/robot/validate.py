@@ -16,8 +16,7 @@ from math import pi, tau
 from derive.errors import ExpressionError, RobotFileError, listed, near_miss, path_text
 from derive.robot import expression as tree
 from derive.robot.cells import Cells
-from derive.robot.coupling import coupling
-from derive.robot.description import INERTIA, Description, FileUnits, Joining, Joint, Remark, Variable
+from derive.robot.description import INERTIA, Description, FileUnits, Joining, Joint, Remark, Variable, coupling
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, Name, is_constant, names
 from derive.robot.names import acceleration_name, velocity_name

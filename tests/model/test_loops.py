@@ -19,7 +19,7 @@ from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expre
 from derive.model.closure import OnClosure, find_closure
 from derive.model.equality import DIGITS, compare, evaluate, samples
 from derive.notebook import Model
-from derive.robot.coupling import derivatives
+from derive.robot.description import derivatives
 from derive.robot.expression import ZERO, Name, names
 from derive.robot.robot import Robot
 from tests.cli.command import accepted

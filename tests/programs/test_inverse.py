@@ -9,8 +9,8 @@ import pytest
 
 from derive.algebra.constants import to_float
 from derive.inverse.closed.fields import FloatField
+from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import GraphWalk
 from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import FRAME_ENTRIES, Mask, around, inverse_function, solved
 from derive.programs.newton_step import least_squares

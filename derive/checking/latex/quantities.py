@@ -15,8 +15,7 @@ from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy,
 from derive.model.model import Model
 from derive.model.quantity_names import of_one_end, parse
 from derive.robot import tree
-from derive.robot.coupling import derivatives
-from derive.robot.description import Convention
+from derive.robot.description import Convention, derivatives
 from derive.robot.expression import ZERO, Call
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot

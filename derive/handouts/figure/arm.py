@@ -15,8 +15,7 @@ from derive.handouts.figure.scene import LETTERS, Frames, LinkSegment, Scene, ar
 from derive.handouts.notation.pieces import joined, upright
 from derive.handouts.notation.printer import DataPrinter
 from derive.robot import tree
-from derive.robot.coupling import position
-from derive.robot.description import Convention, FixedRow, Joint
+from derive.robot.description import Convention, FixedRow, Joint, position
 from derive.robot.expression import Sum, names
 from derive.robot.robot import Robot
 

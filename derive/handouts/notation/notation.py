@@ -26,8 +26,7 @@ from typing import Any, Self
 from sympy import pi
 
 from derive.handouts.notation.pieces import EMPTY, GREEK, Box, concatenate, greek, italic, monospace, script, upright
-from derive.robot.coupling import derivatives
-from derive.robot.description import INERTIA
+from derive.robot.description import INERTIA, derivatives
 from derive.robot.expression import names
 from derive.robot.names import acceleration_name, joint_label, limit_symbols, robot_symbols, velocity_name
 from derive.robot.options.handout import AngleLetter, Functions, NotationOptions, SliderLetter

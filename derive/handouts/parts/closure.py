@@ -19,8 +19,7 @@ from derive.handouts.sheet.document import Block, Rows
 from derive.model.closure import Closure, IteratedClosure, JoinedLoops, LoopClosure
 from derive.model.entries import ModelEntries, expanded_terms
 from derive.model.model import Model
-from derive.robot.coupling import derivatives
-from derive.robot.description import IDENTITY, Joining
+from derive.robot.description import IDENTITY, Joining, derivatives
 from derive.robot.expression import to_text
 
 SOLVED_NUMERICALLY = "they are solved numerically, in generated code by Newton steps from the last configuration"

@@ -13,8 +13,7 @@ from derive.handouts.sheet.context import Context, entry_namer, matrix_lines
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Table
 from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.robot import tree
-from derive.robot.coupling import coupling, position
-from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, RootType, Stand
+from derive.robot.description import IDENTITY, FixedRow, Joint, Link, Matrix, RootType, Stand, coupling, position
 from derive.robot.expression import ZERO
 from derive.robot.inertial_parameters import coulomb_parts
 from derive.robot.names import free_symbols

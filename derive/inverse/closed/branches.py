@@ -16,8 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.walk import GraphWalk
+from derive.inverse.closed.graph import GraphWalk, SolutionGraph
 from derive.inverse.general.rigid_motion import BESIDE, beside
 from derive.inverse.numeric.chain import Array, Entries, NumericChain, Problem
 from derive.inverse.numeric.newton import Status, fit, follow, polish, solve

@@ -17,13 +17,12 @@ from derive.algebra.contraction import paths
 from derive.algebra.generators import Kind
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.evidence import Evidence
-from derive.inverse.closed.graph import Node, SolutionGraph
+from derive.inverse.closed.graph import Node, Plan, SolutionGraph, horner
 from derive.inverse.closed.nodes import Exponents, NodeEquation, NodeFormula, NodeKind, Provenance, Unknown
 from derive.inverse.closed.pool import Links, Pool, dimension
 from derive.inverse.closed.pose import Pose, conditions
 from derive.inverse.closed.search import Choice, Search, SearchStep
 from derive.inverse.closed.unknowns import POSE_NAMES, InverseDomain, State, baked, shifted, with_numbers, without
-from derive.inverse.closed.walk import Plan, horner
 from derive.inverse.general.choice import general_formula
 from derive.inverse.numeric.chain import POSE, POSITION
 from derive.robot.expression import ZERO, substitute

@@ -17,11 +17,10 @@ import numpy.typing as npt
 from derive.algebra.ring import Polynomial
 from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.graph import GraphWalk, SolutionGraph, pose_of
 from derive.inverse.closed.nodes import NodeEquation, Provenance
 from derive.inverse.closed.pool import Atoms, Links, dimension, frame_of, scaled
 from derive.inverse.closed.unknowns import InverseDomain, turned
-from derive.inverse.closed.walk import GraphWalk, pose_of
 from derive.mechanics.vectors import Matrix, Vector, add_matrices, dot, hat, matmul, multiply, outer, transpose
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, names

@@ -21,11 +21,10 @@ from derive.algebra.residues import ResidueDomain, echelon
 from derive.errors import QuantityError, listed
 from derive.inverse.closed.fields import ComplexField, PrimeField
 from derive.inverse.closed.formulas import CoincidenceError, GraphDerivation
-from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph, pose_of
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.pool import Links, Pool, frame_atoms
 from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
-from derive.inverse.closed.walk import GraphWalk, Leaf, pose_of
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian
 from derive.mechanics.vectors import column, cross, subtract

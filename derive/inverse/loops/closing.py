@@ -20,8 +20,7 @@ from derive.mechanics.chain import Chain, Domain, build_chain, way_frame
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, dot, multiply, scale, subtract, transpose
 from derive.robot import tree
-from derive.robot.coupling import coupling
-from derive.robot.description import Joining, Loop
+from derive.robot.description import Joining, Loop, coupling
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.expression import Expression, Name, Power
 from derive.robot.names import free_symbols

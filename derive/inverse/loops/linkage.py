@@ -25,10 +25,9 @@ from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed, quoted
 from derive.inverse.closed.elementary_solver import Field
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
-from derive.inverse.closed.walk import GraphWalk, Leaf
 from derive.inverse.loops.circuit import Circuit, circuit
 from derive.inverse.loops.closing import OPEN, SAMPLES, Array, Closing, Twist, are_opposed, gaps, reach, refused, twists
 from derive.inverse.loops.iterated import IteratedLoops, iterated
@@ -39,8 +38,7 @@ from derive.mechanics.chain import Domain
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.vectors import dot
 from derive.robot import tree
-from derive.robot.coupling import coupling, derivatives, second_derivative
-from derive.robot.description import Joining, Loop
+from derive.robot.description import Joining, Loop, coupling, derivatives, second_derivative
 from derive.robot.evaluate import parameter_values, to_float
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

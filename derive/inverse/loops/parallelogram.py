@@ -24,8 +24,7 @@ from derive.inverse.loops.closing import Array, Closing
 from derive.inverse.loops.linkage import assembled, linkage, positions
 from derive.mechanics.exact import Kinematics
 from derive.mechanics.vectors import column, cross, dot, subtract
-from derive.robot.coupling import position
-from derive.robot.description import Joining, Joint, Loop
+from derive.robot.description import Joining, Joint, Loop, position
 from derive.robot.expression import ZERO, Pi, add, multiply, negate, number
 from derive.robot.robot import Robot
 

@@ -25,8 +25,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.graph import SolutionGraph
-from derive.inverse.closed.walk import GraphWalk
+from derive.inverse.closed.graph import GraphWalk, SolutionGraph
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.forward_kinematics import forward_kinematics, joint_poses

@@ -18,7 +18,7 @@ from derive.mechanics.chain import Chain
 from derive.mechanics.joint_motion import axis, to_child
 from derive.mechanics.regressor import Screw, Screws, next_screws
 from derive.mechanics.vectors import Frame, S, Vector, add, cross, dot, multiply, transpose
-from derive.robot.coupling import projected
+from derive.robot.description import projected
 from derive.robot.inertial_parameters import Parameter
 
 # Entries (a, b), a <= b, of a symmetric matrix; joints from 0, what is missing is zero.

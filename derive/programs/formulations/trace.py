@@ -19,8 +19,8 @@ from derive.algebra.domain import PolynomialDomain
 from derive.algebra.generators import Generator, Kind
 from derive.algebra.ring import Polynomial, TooManyTerms
 from derive.errors import ExpressionError
+from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.unknowns import turned
-from derive.inverse.closed.walk import GraphWalk
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
@@ -42,7 +42,7 @@ from derive.programs.tape.field import ClosingField, ClosingWalk
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.value import PASSIVE, QD, QDD, Passive, Q, TapeDomain, Value, least_squares
 from derive.robot import tree
-from derive.robot.coupling import coupling
+from derive.robot.description import coupling
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression
 from derive.robot.names import free_symbols, robot_symbols

@@ -9,10 +9,9 @@ from typing import Any
 
 from derive.inverse.closed.elementary_solver import Solver, line_points
 from derive.inverse.closed.fields import BEYOND, MERGED, ZERO
-from derive.inverse.closed.graph import Node
+from derive.inverse.closed.graph import GraphWalk, Node
+from derive.inverse.closed.graph import Value as Found
 from derive.inverse.closed.nodes import NodeFormula, NodeKind
-from derive.inverse.closed.walk import GraphWalk
-from derive.inverse.closed.walk import Value as Found
 from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.graph import Ref, node_of
 from derive.programs.tape.tape import Layer

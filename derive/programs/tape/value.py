@@ -13,8 +13,7 @@ from derive.errors import QuantityError
 from derive.inverse.closed.unknowns import turned
 from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, node_of
 from derive.programs.tape.tape import PARAMETER, Op
-from derive.robot.coupling import coupling
-from derive.robot.description import Joint
+from derive.robot.description import Joint, coupling
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot

@@ -7,7 +7,6 @@ from dataclasses import replace
 from derive.errors import RobotFileError, listed, near_miss, quoted
 from derive.robot import description
 from derive.robot.cells import Cells, check_symbol, inert_text
-from derive.robot.coupling import drives
 from derive.robot.description import BASE, FIXED, Description, End, FixedRow, Joint, JointType, Link, Loop, Root, Stand
 from derive.robot.expression import Name, names
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
@@ -191,7 +190,7 @@ class _Table:
     def _variable(self, name: str, joints: Sequence[Joint]) -> description.Variable:
         path: KeyPath = ("variables", name)
         check_symbol(self._document, path, name)
-        alone = next((joint for joint in joints if joint.variable == name and name in dict(drives(joint))), None)
+        alone = next((j for j in joints if j.variable == name and name in dict(description.drives(j))), None)
         driven = next((joint for joint in joints if name in dict(joint.drive)), None)
         if alone is None and driven is None:
             found, allowed = f"variable '{name}' moves no joint", "allowed: variables that the cell of a joint has"
@@ -356,7 +355,7 @@ def with_loops(
         if members == {k}:
             found, remedy = "no loop moves the joint", "write the loop that does under loops:, or passive: false"
             raise document.error((*places[k], "passive"), found, remedy=remedy)
-        active = {name for m in members - passive for name, _ in drives(joints[m])}
+        active = {name for m in members - passive for name, _ in description.drives(joints[m])}
         order = (each.variable for each in robot.coupled if each.variable in active)
         follows = tuple((name, Name(f"G_{joints[k].variable}_{name}")) for name in order)
         if not follows:

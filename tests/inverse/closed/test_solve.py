@@ -10,9 +10,8 @@ import pytest
 from derive.errors import QuantityError
 from derive.inverse.closed.branches import STARTS, InverseSolver, starts
 from derive.inverse.closed.fields import FloatField
-from derive.inverse.closed.graph import SolutionGraph
+from derive.inverse.closed.graph import GraphWalk, SolutionGraph
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.numeric.newton import Status
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols

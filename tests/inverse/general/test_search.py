@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from derive.inverse.closed.fields import FloatField
+from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
-from derive.inverse.closed.walk import GraphWalk
 from derive.inverse.general.candidates import candidates, finished
 from derive.inverse.general.choice import count_solutions, eliminations, find_general
 from derive.inverse.general.closure import Loop, closures, middle_part

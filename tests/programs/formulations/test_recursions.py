@@ -20,7 +20,7 @@ from derive.programs.formulations.trace import Trace
 from derive.programs.program import Program
 from derive.programs.tape.build import bake, cut
 from derive.programs.tape.tape import PARAMETER, Op, Operations, evaluate
-from derive.robot.coupling import derivatives
+from derive.robot.description import derivatives
 from derive.robot.evaluate import parameter_values
 from derive.robot.evaluate import to_float as number_at
 from derive.robot.expression import ZERO

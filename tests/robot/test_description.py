@@ -5,8 +5,7 @@ from fractions import Fraction
 import pytest
 
 from derive.errors import DeriveError, RobotFileError
-from derive.robot.coupling import coupling
-from derive.robot.description import JointType
+from derive.robot.description import JointType, coupling
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import number, to_text
 from derive.robot.names import robot_symbols
