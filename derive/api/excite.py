@@ -126,8 +126,7 @@ def _room(robot: Robot, given: Mapping[str, Sequence[str]], floor: float) -> Roo
     low, high = np.maximum(low, -most), np.minimum(high, most)
     for what, unlimited in (("position", np.isinf(high - low)), ("speed", np.isinf(speed))):
         if lacking := [joint.variable for joint, lacks in zip(joints, unlimited, strict=True) if lacks]:
-            key = "limits" if what == "position" else what
-            remedy = f"write {key}: into the robot file, or give --{what}"
+            remedy = f"write {'limits' if what == 'position' else what}: into the robot file, or give --{what}"
             raise DeriveError(f"{listed(lacking)} of {robot.name} without limits of {what}", remedy=remedy)
     for joint, narrow in zip(joints, high <= low, strict=True):
         _check(not narrow, f"no room for {joint.variable}", "a position within the limits of the robot file")

@@ -8,12 +8,10 @@ from pathlib import Path
 from typing import Unpack
 
 from derive.errors import RobotFileError, TargetError, VerificationError, quoted
+from derive.exchange import from_tree, from_urdf
 from derive.exchange.arm import arm_of, moving_tips
 from derive.exchange.certificate import Certificate, certify
-from derive.exchange.from_tree import ImportedTree
-from derive.exchange.from_tree import import_tree as of_tree
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
-from derive.exchange.from_urdf import import_urdf as of_urdf
 from derive.exchange.reading.elements import Urdf
 from derive.exchange.reading.mjcf import IS_MJCF, read_mjcf
 from derive.exchange.reading.source import ChainSource, open_urdf, opened, relative
@@ -45,12 +43,12 @@ def import_urdf(
     """
     wanted = _wanted(options)
     urdf, source = _found(file, wanted)
-    return of_urdf(urdf, base, tip, wanted, source)
+    return from_urdf.import_urdf(urdf, base, tip, wanted, source)
 
 
 def import_tree(
     file: str | Path | bytes, *, root: str | None = None, ends: Sequence[str] = (), **options: Unpack[ImportKeywords]
-) -> ImportedTree:
+) -> from_tree.ImportedTree:
     """The tree of all joints of a URDF or an MJCF, as ``derive import --tree`` makes it.
 
     Args:
@@ -77,7 +75,8 @@ def import_tree(
         urdf, source = _found(file, wanted)
         digest = source.sha256
     where = relative(path, Path(wanted.folder)) if path else "standard input"
-    return of_tree(urdf, root or "", ends, wanted, f"derive import --tree, of {quoted(where, 200)}, sha256 {digest}")
+    head = f"derive import --tree, of {quoted(where, 200)}, sha256 {digest}"
+    return from_tree.import_tree(urdf, root or "", ends, wanted, head)
 
 
 def _wanted(options: ImportKeywords) -> ImportOptions:
@@ -122,12 +121,11 @@ def import_all(file: str | Path | bytes, **options: Unpack[ImportKeywords]) -> A
         called = robot_name(f"{wanted.name or urdf.name or 'arm'}-{tip}")
         called = f"{called}-{len(arms) + 1}" if any(arm.robot.name == called for arm in arms) else called
         try:
-            arms.append(of_urdf(urdf, None, tip, replace(wanted, name=called), source))
+            arms.append(from_urdf.import_urdf(urdf, None, tip, replace(wanted, name=called), source))
         except (RobotFileError, NoSuchBodies) as error:
             refused[tip] = str(error)
     if not arms:
-        reason = next(iter(refused.values()), "no joint moves")
-        raise RobotFileError(f"{urdf.source}: no arm: {reason}")
+        raise RobotFileError(f"{urdf.source}: no arm: {next(iter(refused.values()), 'no joint moves')}")
     return AllTips(tuple(arms), refused)
 
 
@@ -174,16 +172,14 @@ def verify_import(file: str | Path) -> ImportCheck | None:
         RobotFileError: One of both files cannot be read.
     """
     text = robot_file_bytes(file).decode("utf-8", "replace")
-    told = ChainSource.of(text)
-    if told is None:
+    if (told := ChainSource.of(text)) is None:
         return None
     source, promised = told
     path = Path(file).parent / source.file
     if not source.file or not path.is_file():
         return ImportCheck(source.file or "standard input", promised, None, lack="not there")
-    folders = [_moved(folder, path.parent, Path()) for folder in source.packages]
     try:
-        urdf = open_urdf(path, folders, dict(source.arguments))
+        urdf = open_urdf(path, [_moved(each, path.parent, Path()) for each in source.packages], dict(source.arguments))
     except TargetError as error:
         return ImportCheck(str(path), promised, None, lack=f"{error.found} ({error.remedy})")
     robot = Robot.from_text(text, str(file))

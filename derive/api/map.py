@@ -133,9 +133,8 @@ def write_map(
     poses = math.prod(grid.shape) * len(grid.orientations.rotations)
     if poses > _MOST and not large:
         size = poses * sum(int(kind[1]) for kind in value_type(grid).values()) / 1e9
-        hours = poses * _SECONDS / 3600
         raise DeriveError(
-            f"a map of {poses:.3g} poses: up to {size:.3g} GB and about {hours:.2g} h of one core",
+            f"a map of {poses:.3g} poses: up to {size:.3g} GB and about {poses * _SECONDS / 3600:.2g} h of one core",
             allowed=f"allowed: {_MOST:.0e} unasked",
             remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
         )

@@ -114,8 +114,7 @@ def move(
     refuse_taken([*paths.values(), *of_code], force=force)
     motion = plan if isinstance(plan, Motion) else Motion.load(plan)
     if motion is not plan:
-        built_in = str(plan) in plan_names()
-        tell(remark for remark in motion.plan.remarks if not (built_in and remark.is_of_bodies))
+        tell(remark for remark in motion.plan.remarks if not (remark.is_of_bodies and str(plan) in plan_names()))
     if language is not None:
         motion = Motion(replace(motion.plan, robot=with_options(motion.plan.robot, language=language)))
     run = motion.simulate() if simulate else None

@@ -66,8 +66,7 @@ def run(arguments: argparse.Namespace) -> int:
     for robot, result in zip(robots, results, strict=True):
         if isinstance(result, BuildFailure):
             reason, grave = explain(result.error)
-            has_place = getattr(result.error, "location", None) is not None
-            print_error(reason if has_place else f"{robot.source}: {reason}")
+            print_error(reason if getattr(result.error, "location", None) else f"{robot.source}: {reason}")
             status = max(status, grave)
         elif isinstance(result, CheckResult) and not result.is_current:
             status = max(status, FAILED)

@@ -54,6 +54,5 @@ def run(arguments: argparse.Namespace) -> None:
     convention, remarks = made.robot.convention.value, made.conversion.source.remarks_as_dicts
     report = {"convention": convention, "report": lines, "remarks": remarks}
     kinds = "".join("R" if joint.is_revolute else "P" for joint in made.robot.joints)
-    count = f"{made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds})"
-    head = f"{arguments.out}: {count}, {convention}"
+    head = f"{arguments.out}: {made.robot.n} joint{'s' if made.robot.n > 1 else ''} ({kinds}), {convention}"
     print_written(arguments, made.text, report, [head, *(f"  {line}" for line in lines)])

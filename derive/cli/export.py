@@ -2,7 +2,7 @@
 
 import argparse
 
-from derive.cli.terminal import add_shared, keywords, print_written
+from derive.cli.terminal import add_shared, keywords, named_values, print_written
 
 DESCRIPTION = """\
 Write a robot for another program.
@@ -36,11 +36,8 @@ def run(arguments: argparse.Namespace) -> None:
     from derive.errors import DeriveError, quoted
     from derive.model.identification.possible import wants_possible
 
-    values = {}
-    for cell in ",".join(arguments.values).split(",") if arguments.values else []:
-        name, equals, value = (part.strip() for part in cell.partition("="))
-        if not (name and equals and value):
-            raise DeriveError(f"{quoted(cell)} in --values", allowed="allowed: name=value,name=value")
+    values = dict[str, str]()
+    for name, value in named_values(arguments.values, "--values", "allowed: name=value,name=value"):
         if name in values:
             raise DeriveError(f"{quoted(name)[1:-1]} twice in --values", remedy="leave one of them out")
         values[name] = value

@@ -39,10 +39,8 @@ def configure(parser: argparse.ArgumentParser) -> None:
     add("--tree", action="store_true", help="one robot file of all joints, a tree with several ends; also of an MJCF")
     add("--root", metavar="KIND", help="with --tree: planar or floating, how the root moves (default: it stands)")
     add("--ends", metavar="LINK,...", help="with --tree: links that are ends (default: those at the ends of limbs)")
-    convention = (
-        "standard or modified (default: that of the table that the URDF carries, else standard; of a tree modified)"
-    )
-    add("--convention", metavar="NAME", help=convention)
+    usual = "standard or modified (default: that of the table that the URDF carries, else standard; of a tree modified)"
+    add("--convention", metavar="NAME", help=usual)
     add("--snap", default="1e-6", metavar="RAD", help="round angles this close to fractions of pi (default 1e-6)")
     add_shared(parser, "inertia")
     add("--symbols", action="store_true", help="name the lengths d1, a2, ... and store their numbers as parameters")

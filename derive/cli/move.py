@@ -64,9 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
     rows_alone = arguments.csv == STDOUT
     if rows_alone and (arguments.json or arguments.show or arguments.hand or arguments.increments):
         raise DeriveError(f"--csv {STDOUT} with another output", remedy="name a file")
-    files = keywords(arguments, *(name for name in FORMS if not (name == "csv" and rows_alone)))
-    wrong = ""
-    options = {**files, **keywords(arguments, "simulate", "name", "force")}
+    forms = [name for name in FORMS if not (name == "csv" and rows_alone)]
+    wrong, options = "", keywords(arguments, *forms, "simulate", "name", "force")
     found = move(arguments.plan, language=arguments.lang, code=arguments.out, **options)
     if rows_alone:
         from derive.motion.output.printed import csv_bytes
@@ -84,10 +83,9 @@ def run(arguments: argparse.Namespace) -> int:
         wrong = _print(found.motion, found.run, arguments)
         for path in found.files[: len(found.files) - (len(found.code.files) if found.code else 0)]:
             print(path)
-        if found.code:
-            unverified = ", ".join(found.code.left_out)
-            unverified = f"; {unverified} not, for lack of a C compiler" if unverified else ""
-            print(f"{arguments.out}: {', '.join(found.code.files)}, verified to {found.code.worst:.1g}{unverified}")
+        if code := found.code:
+            unverified = f"; {', '.join(code.left_out)} not, for lack of a C compiler" if code.left_out else ""
+            print(f"{arguments.out}: {', '.join(code.files)}, verified to {code.worst:.1g}{unverified}")
     if wrong:
         print_error(wrong)
         return FAILED

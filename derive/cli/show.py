@@ -252,8 +252,7 @@ def _printer(robot: Robot, form: str, digits: int | None, values: list[Any], *, 
     if not numbers or digits is None:
         return symbolic.doprint, loses
     writers: dict[str, Callable[[float], Any]] = {"text": f"{{:.{digits}g}}".format, "python": repr, "json": float}
-    write = writers[form]
-    return lambda value: write(float(value)) if value.is_number else symbolic.doprint(value), loses
+    return lambda value: writers[form](float(value)) if value.is_number else symbolic.doprint(value), loses
 
 
 def _list(robot: Robot, form: str) -> None:

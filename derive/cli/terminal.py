@@ -184,6 +184,15 @@ def numbers(text: str, wanted: str) -> list[float]:
         raise argparse.ArgumentTypeError(f"{quoted(text)} is not {wanted}") from None
 
 
+def named_values(texts: Sequence[str], option: str, allowed: str) -> Iterator[tuple[str, str]]:
+    """What an option that may be repeated says, ``NAME=VALUE,...``."""
+    for text in ",".join(texts).split(",") if texts else ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise DeriveError(f"{quoted(text)} in {option}", allowed=allowed)
+        yield name, value
+
+
 positive = partial(_whole, least=1, most=99999999)  # a whole number from 1 on
 digit_count = partial(_whole, least=1, most=30)  # a number of significant digits
 
@@ -211,7 +220,8 @@ def file_or_stdout(text: str) -> Path | None:
 
 _OUT = ("-o", "--out")
 _FLAG = {"action": "store_true"}
-_BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given"}
+_INERTIA = "keep inertias, or replace inconsistent ones by the closest valid ones"
+_BODIES: dict[str, Any] = {"choices": ("given", "possible"), "default": "given", "help": _INERTIA}
 
 # Names and settings by what `add_shared` calls them.
 SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
@@ -222,10 +232,7 @@ SHARED: dict[str, tuple[tuple[str, ...], dict[str, Any]]] = {
     "format": (("--format",), {"metavar": "FORMAT"}),
     "style": (("--style",), {"metavar": "STYLE"}),
     "task": (("--task",), {"metavar": "ROWS"}),
-    "inertia": (
-        ("--inertia",),
-        _BODIES | {"help": "keep inertias, or replace inconsistent ones by the closest valid ones"},
-    ),
+    "inertia": (("--inertia",), _BODIES),
     "lang": (("--lang",), {"metavar": "CODE", "help": "language: en, it, pt or another that has a message catalogue"}),
     "force": (("--force",), _FLAG | {"help": "overwrite files that exist"}),
     "strict": (("--strict",), _FLAG | {"help": "treat warnings about the robot file as errors"}),

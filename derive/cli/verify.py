@@ -34,8 +34,7 @@ def run(arguments: argparse.Namespace) -> None:
     from derive.publish.build import folder_of
 
     robot = load(arguments.robot)
-    imported = verify_import(arguments.robot)
-    if imported is not None and not (arguments.json or arguments.quiet):
+    if (imported := verify_import(arguments.robot)) is not None and not (arguments.json or arguments.quiet):
         print(one_line(str(imported)))
     if imported is not None and imported.found is not None and not folder_of(robot, arguments.out).is_dir():
         if arguments.json:

@@ -157,8 +157,7 @@ def arm_of(urdf: Urdf, base: str | None, tip: str | None, snap: Fraction) -> Arm
             raise RobotFileError(f"{urdf.source}: no link {quoted(name)}", remedy=hint)
     carrying = carrying_joints(urdf)
     if tip is None:
-        ends = moving_tips(urdf)
-        if not ends:
+        if not (ends := moving_tips(urdf)):
             _ancestry(carrying, next(iter(urdf.bodies)))  # raises where every link carries another
             raise RobotFileError(f"{urdf.source}: no joint moves", remedy="give a robot with a joint that moves")
         if len(ends) > 1:

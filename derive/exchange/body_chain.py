@@ -290,8 +290,7 @@ def roll_pitch_yaw(frame: Frame) -> Point:
     """Angles with Rz(yaw) Ry(pitch) Rx(roll) as rotation [rad]."""
     x, y, z = frame.x, frame.y, frame.z
     # Pitch of +-pi/2: roll and yaw turn about one axis, and all is roll.
-    flat = length((x[0], x[1], arb(0)))
-    if not flat > NOTHING:
+    if not (flat := length((x[0], x[1], arb(0)))) > NOTHING:
         sign = -1 if x[2] > 0 else 1
         return (angle_of(y[0] * sign, y[1]), arb.pi() / 2 * sign, arb(0))
     return (angle_of(y[2], z[2]), angle_of(-x[2], flat), angle_of(x[1], x[0]))

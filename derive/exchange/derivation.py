@@ -89,8 +89,7 @@ def _factors(conversion: Conversion) -> Iterator[str]:
 
 def _links(conversion: Conversion) -> Iterator[str]:
     source, result = conversion.source, conversion.result
-    changed = [i for i in range(len(source.links)) if source.links[i].com != result.links[i].com]
-    if changed:
+    if changed := [i for i in range(len(source.links)) if source.links[i].com != result.links[i].com]:
         through = "X_i r" if source.convention is Convention.STANDARD else "X_i^-1 r"
         yield f"Frame i stands elsewhere; the centre of mass r is seen at {through}, the tensor in its axes:"
         for i in changed:

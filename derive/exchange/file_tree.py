@@ -162,8 +162,7 @@ def _turned(axis: Array, angle: Array) -> Array:
 
 
 def _body(urdf: Urdf, link: str) -> tuple[float, Array, Array]:
-    body = urdf.bodies[link]
-    if body is None:
+    if (body := urdf.bodies[link]) is None:
         return 0.0, np.zeros(3), np.zeros((3, 3))
     frame, (xx, yy, zz, xy, xz, yz) = _placed(body.origin), map(float, body.inertia)
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])

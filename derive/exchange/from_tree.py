@@ -274,8 +274,7 @@ def followed(joint: UrdfJoint, joints: Sequence[UrdfJoint]) -> tuple[str, Fracti
     """The joint at the end of those which a joint follows, with factor and offset to it: f q + c; often itself."""
     known, factor, offset, seen = {other.name: other for other in joints}, Fraction(1), Fraction(0), [joint.name]
     while joint.mimics is not None:
-        before = known.get(joint.mimics)
-        if before is None or before.type not in MOVING or before.name in seen:
+        if (before := known.get(joint.mimics)) is None or before.type not in MOVING or before.name in seen:
             what = "which is none that moves" if before is None or before.type not in MOVING else "in a circle"
             found = f"joint {quoted(joint.name)} follows {quoted(joint.mimics)}, {what}"
             remedy = near_miss(joint.mimics, known.keys() - {joint.mimics})

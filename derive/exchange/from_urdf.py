@@ -186,8 +186,7 @@ class _Chain:
 
     def understood(self, snap: Fraction) -> tuple[_Table, list[str]]:
         """The table that the URDF carries with it, else one by common normals; where axes meet far away as meant."""
-        carried = carried_table(self.urdf, self.written, self.convention)
-        if carried is not None:
+        if (carried := carried_table(self.urdf, self.written, self.convention)) is not None:
             arm, placement = arm_of(self.urdf, self.written.base, self.written.tip, snap), placement_of(carried)
             description = with_table(self._described(arm, placement, snap), carried)
             remarks = ["the table is the one that the URDF carries with it"]
@@ -274,8 +273,7 @@ def plain_text(text: str) -> str:
 def notes_on(urdf: Urdf, arm: Arm, *, proven: bool = True) -> Iterator[str]:
     """What a reader should know of an arm, as sentences."""
     yield from urdf.notes
-    bodies = [body for axis in arm.axes for body in axis.bodies]
-    if not bodies:
+    if not (bodies := [body for axis in arm.axes for body in axis.bodies]):
         yield "no masses: kinematics only"
     for body in bodies:
         if body.mass < 0:

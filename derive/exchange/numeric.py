@@ -25,8 +25,7 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
     for name, expression in dict(robot.parameters).items():
         values[name] = substitute(expression, values)
     values |= chosen or {}
-    missing = [name for name in file_symbols(robot) if name not in values]
-    if missing:
+    if missing := [name for name in file_symbols(robot) if name not in values]:
         shown = ", ".join(missing[:MOST_SYMBOLS]) + (", ..." if len(missing) > MOST_SYMBOLS else "")
         example = ",".join(f"{name}=0.5" for name in missing[:2])
         found = f"{robot.name}: symbols without a number: {shown}"

@@ -227,8 +227,7 @@ def _equations(arm: BodyChain, order: Sequence[str]) -> dict[str, Any]:
 
 def _sites(arm: BodyChain, name: str) -> list[dict[str, str]]:
     """Those of a frame that a loop joins: where it is, and of a pin a point on its axis."""
-    loop = next((loop for loop in arm.ties.loops if name in loop.ends), None)
-    if loop is None:
+    if (loop := next((loop for loop in arm.ties.loops if name in loop.ends), None)) is None:
         return []
     length = arm.size if name == loop.ends[0] else loop.way * arm.size
     heights = {name: "0", name + AXIS: f"{length:.6g}"} if loop.by is Joining.REVOLUTE else {name: "0"}

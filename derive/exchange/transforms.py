@@ -86,8 +86,7 @@ def _read(text: str) -> Iterator[Elementary]:
             word = re.split(r"(?<=\w)\b", text[offset:])[0]
             raise ExpressionError(f"unknown transform {quoted(word)}", allowed=_FORM, location=where)
         depths = accumulate((letter == "(") - (letter == ")") for letter in text[match.end() :])
-        end = next((i for i, depth in enumerate(depths, match.end()) if depth < 0), None)
-        if end is None:
+        if (end := next((i for i, depth in enumerate(depths, match.end()) if depth < 0), None)) is None:
             raise ExpressionError(f"{quoted(match[0])} is never closed", allowed=_FORM, location=where)
         place = Location(_SOURCE, 1, match.end() + 1)
         found = _elementary(match["kind"] in "Rr", "xyz".index(match["axis"]), text[match.end() : end], place)

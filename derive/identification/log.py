@@ -125,8 +125,7 @@ class Log:
         patterns = [given, given.removeprefix("-")] if given else PATTERNS[quantity].split()
         tried = [[pattern.replace("*", mark) for mark in row] for pattern, row in product(patterns, rows)]
         best = max(tried, key=lambda names: sum(name in self._by_name for name in names) / len(names))
-        missing = [name for name in best if name not in self._by_name]
-        if not missing:
+        if not (missing := [name for name in best if name not in self._by_name]):
             sign = -1.0 if given.startswith("-") and best not in tried[: len(tried) // 2] else 1.0
             pairs = zip(best, joints, strict=False)
             return tuple(self._column(quantity, name, sign, joint.is_revolute) for name, joint in pairs)

@@ -239,8 +239,7 @@ class Unknowns:
         sizes = np.sqrt(np.diag(quadratic))
         linear = (slope.T @ offset - SLACK**2 * wanted) / sizes
         limits = [self._exists(k, mass, length) for k, mass, length in zip(self._links, *self._sizes, strict=True)]
-        joints = [k for k, parameter in enumerate(self.standard) if not parameter.of_link]
-        if joints:
+        if joints := [k for k, parameter in enumerate(self.standard) if not parameter.of_link]:
             limits.append(Limit(Cone.NOT_NEGATIVE, (self.given / self.units)[joints], np.eye(len(wanted))[joints]))
         limits = [replace(limit, slope=limit.slope / sizes) for limit in limits]
         scale = np.abs(linear).max() or 1.0

@@ -3,7 +3,7 @@
 import argparse
 from pathlib import Path
 
-from derive.cli.terminal import add_shared, keywords, positive, print_columns, print_written
+from derive.cli.terminal import add_shared, keywords, named_values, positive, print_columns, print_written
 
 DESCRIPTION = """\
 Identify masses, inertias, friction and armatures from a log of positions and torques: base parameters by least squares,
@@ -44,20 +44,13 @@ def configure(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> None:
     """Identify, write, and print what was found."""
     from derive.api.identify import identify
-    from derive.errors import DeriveError, quoted
     from derive.identification.identified import JOINT_HEAD, PARAMETER_HEAD
 
-    columns = {}
-    for text in ",".join(arguments.columns).split(",") if arguments.columns else ():
-        quantity, equals, pattern = (part.strip() for part in text.partition("="))
-        if not (quantity and equals and pattern):
-            allowed = "allowed: q=...*,qd=...*,qdd=...*,tau=...*,time=..."
-            raise DeriveError(f"{quoted(text)} in --columns", allowed=allowed)
-        columns[quantity] = pattern
-    names = ("report", "method", "held_out", "cutoff", "decimate", "drop", "trust_torques", "force")
-    options = keywords(arguments, *names)
+    allowed = "allowed: q=...*,qd=...*,qdd=...*,tau=...*,time=..."
+    columns = dict(named_values(arguments.columns, "--columns", allowed))
+    how = keywords(arguments, "report", "method", "held_out", "cutoff", "decimate", "drop", "trust_torques", "force")
     added = [] if arguments.add == "none" else [name.strip() for name in arguments.add.split(",")]
-    found = identify(arguments.robot, arguments.log, arguments.out, columns=columns, add=added, **options)
+    found = identify(arguments.robot, arguments.log, arguments.out, columns=columns, add=added, **how)
     lines = [f"{arguments.out}: {found.rows} rows, {found.method}", *(f"  {note}" for note in found.notes)]
     print_written(arguments, found.text, found.as_dict(), lines)
     if arguments.out is not None and not (arguments.quiet or arguments.json):

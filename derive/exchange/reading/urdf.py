@@ -206,8 +206,7 @@ class _UrdfReader:
         return RobotFileError(found, allowed=allowed, remedy=remedy, location=self.place(element))
 
     def name(self, element: etree._Element) -> str:
-        name = element.get("name", "").strip()
-        if not name:
+        if not (name := element.get("name", "").strip()):
             raise self.refused(element, f"a {element.tag} without a name", 'write name="..."')
         return str(name)
 
@@ -229,8 +228,7 @@ class _UrdfReader:
 
     def _number(self, element: etree._Element, attribute: str, word: str, infinite: bool) -> Fraction:
         if _DECIMAL.fullmatch(word) and len(word) <= MOST_DIGITS:
-            value = Decimal(word)
-            if value == 0 or value.adjusted() < -GREATEST:
+            if (value := Decimal(word)) == 0 or value.adjusted() < -GREATEST:
                 return Fraction(0)
             if value.adjusted() <= GREATEST:
                 return Fraction(value)
@@ -245,8 +243,7 @@ class _UrdfReader:
         raise self.refused(element, found, remedy, allowed)
 
     def origin(self, element: etree._Element) -> Origin:
-        child = element.find("origin")
-        if child is None:
+        if (child := element.find("origin")) is None:
             return Origin()
         xyz, rpy = (self.numbers(child, key, 3) for key in ("xyz", "rpy"))
         x, y, z = xyz or ZEROS
@@ -270,12 +267,10 @@ class _UrdfReader:
 
     def body(self, element: etree._Element) -> UrdfBody | None:
         """What a link weighs; None where nothing is said."""
-        inertial = element.find("inertial")
-        if inertial is None:
+        if (inertial := element.find("inertial")) is None:
             return None
         mass, tensor = inertial.find("mass"), inertial.find("inertia")
-        value = self.number(mass, "value")
-        if value is None:
+        if (value := self.number(mass, "value")) is None:
             raise self.refused(inertial, "inertial without a mass", 'write <mass value="..."/>')
         keys = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
         moments = [self.number(tensor, key) for key in keys]

@@ -208,8 +208,7 @@ class Evidence:
 
     def is_told(self, name: str) -> bool:
         """Whether an entry of W or an invariant needs nothing of the pose but what is given."""
-        place = _PLACE.fullmatch(name)
-        if place is not None:
+        if (place := _PLACE.fullmatch(name)) is not None:
             name = f"p[{place[1]}]" if place[2] == "4" else f"R[{place[1]},{place[2]}]"
         return bool(np.all(self._plain(self.pose.entry(name)) == self._plain(self.other.entry(name))))
 

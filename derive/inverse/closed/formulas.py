@@ -96,8 +96,7 @@ class GraphDerivation:
 
     def graph(self) -> SolutionGraph | None:
         """The graph of one-joint nodes; None where there is no such way."""
-        way = self.search.way()
-        if way is None:
+        if (way := self.search.way()) is None:
             return None
         self._begin()
         return self._ended(way, self.search.start)
@@ -129,8 +128,7 @@ class GraphDerivation:
         seen: set[str] = set()
         for number in numbers[:_READ]:
             p = self.domain.rewritten(self.polynomial(number), state, unknown)
-            key = p.normalised()[1]
-            if key in seen:
+            if (key := p.normalised()[1]) in seen:
                 continue
             seen.add(key)
             unfound = [name for name in _names(p) - set(unknown.generators) if not self.domain.is_known(name, state)]
@@ -196,8 +194,7 @@ class GraphDerivation:
             return None
         specimen = with_numbers(self.robot, self.numbers)
         generators = [self.domain.unknown(joint).generators for joint in self.given]
-        formula = general_formula(self.robot, specimen, self.given, generators, entries)
-        if formula is None:
+        if (formula := general_formula(self.robot, specimen, self.given, generators, entries)) is None:
             return None
         self._begin()
         free = tuple(map(self.domain.unknown, formula.order))

@@ -337,8 +337,7 @@ def horner(p: Polynomial) -> Plan:
 
 def _horner_plan(terms: Mapping[tuple[int, ...], Fraction]) -> Plan:
     # The generator in most terms; in equal numbers the first one, for one order on every machine.
-    counts = Counter(i for exponents in terms for i, e in enumerate(exponents) if e)
-    if not counts:
+    if not (counts := Counter(i for exponents in terms for i, e in enumerate(exponents) if e)):
         return next(iter(terms.values()), Fraction(0))
     best = max(counts, key=lambda i: (counts[i], -i))
     # p = x q + r with r free of x.

@@ -240,8 +240,7 @@ class _Leaving:
         rest = slope / size
         for vector in self.basis:
             rest = rest - (rest @ vector) * vector
-        length = float(np.linalg.norm(rest))
-        if length < 1e-4:
+        if (length := float(np.linalg.norm(rest))) < 1e-4:
             return False
         self.basis.append(rest / length)
         return True

@@ -206,8 +206,7 @@ def without(ring: Ring, unknown: Unknown, p: Polynomial, q: Polynomial) -> Polyn
         return n * b - m * d
     a, b, c = (first.get(e, ring.zero) for e in ((1, 0), (0, 1), (0, 0)))
     d, e, f = (second.get(x, ring.zero) for x in ((1, 0), (0, 1), (0, 0)))
-    proportional = next((pair for pair in ((a, e), (b, -d)) if all(pair)), None)
-    if proportional:
+    if proportional := next((pair for pair in ((a, e), (b, -d)) if all(pair)), None):
         m, n = in_lowest_terms(*proportional)
         if m * e == n * a and m * -d == n * b:  # squared and added
             return n * n * (c * c) + m * m * (f * f) - n * n * (a * a + b * b)

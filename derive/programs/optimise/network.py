@@ -110,8 +110,7 @@ class Network:
     def find(self, residue: int) -> Operand | None:
         """A coefficient or the oldest variable in use with some value or minus it; None where there is none."""
         # A coefficient costs nothing, so it is taken before any variable.
-        coefficient = self.coefficients.find(residue)
-        if coefficient is not None:
+        if (coefficient := self.coefficients.find(residue)) is not None:
             return Operand(None, coefficient)
         for variable in self._by_residue.get(min(residue, PRIME - residue), ()):
             if variable in self.definition:
@@ -205,16 +204,13 @@ class Network:
         """Drop what nobody uses, and write out what is not worth a variable."""
         while self._changed:
             variable = self._changed.pop()
-            definition = self.definition.get(variable)
-            if definition is None or variable == ROOT:
+            if (definition := self.definition.get(variable)) is None or variable == ROOT:
                 continue
             # Unused: dropped. A single signed variable or coefficient: put in the users' place. Used once: written out.
-            users = self.users.get(variable)
-            if not users:
+            if not (users := self.users.get(variable)):
                 self.define(variable, None)
             elif isinstance(definition, dict) and (len(definition) < 2 or len(users) == 1):
-                alias = single(definition)
-                if alias is not None:
+                if (alias := single(definition)) is not None:
                     for user in list(users):
                         self._substitute(user, variable, definition, alias)
                 elif len(users) == 1:
@@ -222,8 +218,7 @@ class Network:
 
     def _merge(self, user: int, variable: int, polynomial: Polynomial) -> None:
         """Write out a variable in its only user, if it stands there once and that costs nothing."""
-        outer = self.polynomial(user)
-        if outer is None or self.users[variable][user] > 1:
+        if (outer := self.polynomial(user)) is None or self.users[variable][user] > 1:
             return
         if len(polynomial) > 1:
             # A sum times other factors must stay a sum: x (a + b) costs one operation less than x a + x b.

@@ -104,8 +104,7 @@ class Scale:
 
     def _coefficient(self, ref: Ref) -> Size:
         node = node_of(ref)
-        found = self._coefficients.get(node)
-        if found is None:
+        if (found := self._coefficients.get(node)) is None:
             source, value = self._graph.sources.get(node), self._graph.constants.get(node)
             if source is not None:
                 found = self._input((source.kind, source.index))
@@ -227,8 +226,7 @@ class Circle:
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial with one kind of squares written out, if that is cheaper."""
-        squares = self.squares(polynomial)
-        if not squares:
+        if not (squares := self.squares(polynomial)):
             return polynomial
         return min([polynomial, *(self.without(polynomial, variable) for variable in squares)], key=polynomial_cost)
 
@@ -308,8 +306,7 @@ class Search:
                 terms = (network.polynomial(place) or {}).items()
                 here = [v for monomial, k in terms if signed(k, is_negative(k)) == coefficient for v in monomial]
                 sums = (v for v in here if len(network.polynomial(v) or ()) > 1 and network.users[v] == {place: 1})
-                inner = next(sums, None)
-                if inner is not None and self._write_out(inner, place):
+                if (inner := next(sums, None)) is not None and self._write_out(inner, place):
                     stack.append(place)
                 factors |= dict.fromkeys(here)
             network.settle()
@@ -395,14 +392,12 @@ class Search:
     def _write_out(self, variable: int, user: int | None) -> bool:
         """Write a variable out; False where it stands nowhere, or where a sum would get too long."""
         network = self._network
-        inner = network.polynomial(variable)
-        if inner is None:
+        if (inner := network.polynomial(variable)) is None:
             return False
         changed = False
         # A sum that would get too long makes the whole trial void; the caller undoes it.
         for place in [u for u in network.users[variable] if user in (None, u)]:
-            outer = network.polynomial(place)
-            if outer is None:
+            if (outer := network.polynomial(place)) is None:
                 continue
             longer = self._circle.shortest(network.expanded(outer, variable, inner))
             if len(longer) > POLICY.longest_expansion:

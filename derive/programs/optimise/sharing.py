@@ -65,8 +65,7 @@ class Extractor:
         if not isinstance(definition, dict):
             return
         content = tuple(definition.items())
-        known = self._divided.get(content)
-        if known is None:
+        if (known := self._divided.get(content)) is None:
             known = self._divided[content] = self._divide(content)
         entries, count = known
         self._entries[variable] = entries
@@ -141,8 +140,7 @@ class Extractor:
         seen = set()
         for i, x in enumerate(monomial):
             for j in range(i + 1, len(monomial)):
-                pair = (x, monomial[j])
-                if pair not in seen:
+                if (pair := (x, monomial[j])) not in seen:
                     seen.add(pair)
                     left = monomial[:i] + monomial[i + 1 : j] + monomial[j + 1 :]
                     found.append((self._number(pair, {pair: ONE}), [(here, left, coefficient, 1)], 1))
@@ -167,18 +165,15 @@ class Extractor:
         number = self._number((a, first, b, second), {a: first, b: second})
         found: list[Entry] = [(number, [(terms, common, signed(ONE, negative), saving)], saving)]
         # j (a + k/j b): over numbers 2 x + 6 y is 2 (x + 3 y).
-        if j not in UNITS:
-            ratio = self.network.coefficients.ratio(k, j)
-            if ratio is not None:
-                number = self._number((a, ONE, b, ratio), {a: ONE, b: ratio})
-                found.append((number, [(terms, common, j, saving - 1)], saving - 1))
+        if j not in UNITS and (ratio := self.network.coefficients.ratio(k, j)) is not None:
+            number = self._number((a, ONE, b, ratio), {a: ONE, b: ratio})
+            found.append((number, [(terms, common, j, saving - 1)], saving - 1))
         one.pairs[other.number] = found
         return found
 
     def _number(self, key: Hashable, divisor: Polynomial) -> int:
         """The number of a divisor, the next where it has none."""
-        number = self._numbers.get(key)
-        if number is None:
+        if (number := self._numbers.get(key)) is None:
             number = self._numbers[key] = len(self._divisors)
             price = polynomial_cost(divisor)
             self._divisors.append(divisor)
