@@ -53,11 +53,9 @@ class RigidBody:
         return cls(arb(0), WORLD.origin, axial_tensor(inertia, axis))
 
     def settled(self, inside: float) -> RigidBody:
-        """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond.
-
-        Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
-        moment: each adds what it lacks to the moments about both other axes.
-        """
+        """The nearest body that exists and is a little inside of the limit, where rounding has left it beyond."""
+        # Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
+        # moment: each adds what it lacks to the moments about both other axes.
         moments, axes = self.principal
         # Second moments along the axes: (A + B + C)/2 - A and so on, none of which is negative for a body.
         lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
@@ -218,12 +216,10 @@ def body_chain(robot: Robot) -> BodyChain:
 
 
 def _frames(robot: Robot) -> tuple[list[Frame], list[Frame], list[Frame]]:
-    """Of each joint the axis and the link in the link that it follows, and its DH frame in its link.
-
-    From a link of a chain to the next it is Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions: in
-    a standard table the row before it, in a modified one the z part of the row before and the x part of its own. The
-    frame of a link of a tree stands behind Rot(z, theta) Trans(z, d) of its own row: others may follow in any place.
-    """
+    """Of each joint the axis and the link in the link that it follows, and its DH frame in its link."""
+    # From a link of a chain to the next it is Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha) in both conventions:
+    # in a standard table the row before it, in a modified one the z part of the row before and the x part of its own.
+    # The frame of a link of a tree stands behind Rot(z, theta) Trans(z, d) of its own row: others follow in any place.
     standard = robot.convention is Convention.STANDARD
     starts: list[Frame] = []
     origins: list[Frame] = []
@@ -254,8 +250,7 @@ def _with_parts(arm: BodyChain) -> BodyChain:
         joint, frame = way_frame(robot, label, domain)
         return joint, (segments[joint].dh if joint >= 0 else WORLD).then(_in_balls(frame)).then(tool)
 
-    bodies = [RigidBody.of(row.link) if row.link else None for row in robot.fixed]
-    rows = zip(robot.fixed, bodies, strict=True)
+    rows = ((row, RigidBody.of(row.link) if row.link else None) for row in robot.fixed)
     parts = [Part(row.name, row.stand.after, *_placed(row.name, WORLD), body) for row, body in rows]
     parts += [Part(end.name, end.after, *_placed(end.after, frame_of(end.tool)), is_end=True) for end in ends]
     root = None

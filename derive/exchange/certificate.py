@@ -80,10 +80,9 @@ def certify(arm: Arm, robot: Description) -> Certificate:
 
 def screws(robot: Description, base: Frame) -> tuple[list[Line], Frame]:
     """The axes of a table and its end at q = 0, in the world."""
-    known, frame, lines = _numbers(robot), base, []
+    known, frame, lines, standard = _numbers(robot), base, [], robot.convention is Convention.STANDARD
     for joint in robot.joints:
         along, across = motions(joint, known)
-        standard = robot.convention is Convention.STANDARD
         axis = frame if standard else frame.then(across)
         lines.append(Line(axis.origin, times(axis.z, joint.sign)))
         frame = axis.then(along).then(across) if standard else axis.then(along)

@@ -81,10 +81,9 @@ def variable_of(joint: Joint) -> Variable:
 
 
 def closed(robot: Robot, urdf: Urdf, found: Sequence[Join], labels: Mapping[str, str]) -> tuple[Robot, str]:
-    """The tree with its loops, in the branch in which the file has them; joints around them without motors follow.
-
-    ``labels`` are those of the rows of joints by their names. And a remark where the file has no closed configuration.
-    """
+    """The tree with its loops, in the branch in which the file has them; joints around them without motors follow."""
+    # ``labels`` are those of the rows of joints by their names. And a remark where the file has no closed
+    # configuration.
     around = {joint.name: joint for join in found for joint in join.around if joint.mimics is None}
     passive = {labels[name] for name in around if name not in urdf.driven}
     if len(passive) == len(around):
@@ -92,11 +91,8 @@ def closed(robot: Robot, urdf: Urdf, found: Sequence[Join], labels: Mapping[str,
         raise RobotFileError(what, remedy="add an actuator to each joint that is driven")
     own = [joint for joint in robot.joints if not joint.drive and joint.label not in passive]
     active = tuple(map(variable_of, own))
-    follows = {
-        joint.label: tuple((v.variable, Name(f"G_{joint.variable}_{v.variable}")) for v in active)
-        for joint in robot.joints
-    }
-    joints = tuple(replace(j, follows=follows[j.label]) if j.label in passive else j for j in robot.joints)
+    slopes = ((j, tuple((v.variable, Name(f"G_{j.variable}_{v.variable}")) for v in active)) for j in robot.joints)
+    joints = tuple(replace(joint, follows=own) if joint.label in passive else joint for joint, own in slopes)
     names = [row.name for row in robot.fixed[-2 * len(found) :]]
     loops = tuple(Loop((names[2 * k], names[2 * k + 1]), join.by) for k, join in enumerate(found))
     made = replace(robot, joints=joints, coupled=active, loops=loops)

@@ -107,11 +107,9 @@ def _is_far(line: Line, other: Line, reach: float) -> bool:
 
 
 def _straightened(arm: Arm, snap: float) -> tuple[list[Line], tuple[tuple[int, bool], ...]]:
-    """The axes; one that is almost parallel to the one before or to an axis of the base takes its direction.
-
-    So does one that meets the axis before beyond everything that the arm reaches, where this costs little: no arm is
-    75 km long because somebody wrote 1.5708. What it costs is in the certificate.
-    """
+    """The axes; one that is almost parallel to the one before or to an axis of the base takes its direction."""
+    # So does one that meets the axis before beyond everything that the arm reaches, where this costs little: no arm is
+    # 75 km long because somebody wrote 1.5708. What it costs is in the certificate.
     lines: list[Line] = []
     far: list[tuple[int, bool]] = []
     most = (TURNED if snap else AS_WRITTEN) * min(arm.reach, 1)

@@ -191,8 +191,7 @@ def agreement(tree: FileTree, robot: Robot, ends: Sequence[str]) -> Agreement:
     """Compare a robot with its file; the links at its ends in their order."""
     random, n, oracle, s = np.random.default_rng(0), robot.dof, Oracle.of(robot), tree.coupling
     q, qd, qdd = random.uniform(-1, 1, (3, STATES, n))
-    turns = np.array([joint.is_revolute for joint in robot.variables])
-    q = q * np.where(turns, np.pi, 1)
+    q = q * np.where([joint.is_revolute for joint in robot.variables], np.pi, 1)
     names = [f"forward_kinematics_{name}".rstrip("_") for name in oracle.arm.ends]
     ours = np.stack([oracle.evaluate(name, q) for name in names], axis=1)
     joints = q @ s.T + tree.offset

@@ -149,11 +149,9 @@ class _Tree:
         for joint in kept:
             labels[joint.child] = free_name(label_of(joint.name), (*labels.values(), *variables))
         rows = [self._row(joint, labels) for joint in kept]
-        self.moved = moved = [
-            (row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)
-        ]
-        names = {joint.name: f"q{k}" for k, (_, joint) in enumerate(moved, 1)}
-        joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in moved]
+        self.moved = [(row, joint) for joint, (row, _) in zip(kept, rows, strict=True) if isinstance(row, Joint)]
+        names = {joint.name: f"q{k}" for k, (_, joint) in enumerate(self.moved, 1)}
+        joints = [_driven(row, joint, followed(joint, self.joints), names) for row, joint in self.moved]
         links = [link for row, link in rows if isinstance(row, Joint)] if self._has_bodies else []
         fixed = [replace(row, row=place) for place, (row, _) in enumerate(rows) if isinstance(row, FixedRow)]
         fixed += self._closing(labels, len(rows))
@@ -169,12 +167,11 @@ class _Tree:
         is_chain = all(labels[joint.parent] == before for joint, before in zip(kept, above, strict=False))
         if is_chain and not self.joins and len(ends) == 1 and ends[0].after == above[-1] and not self.root:
             ends, chosen = [replace(ends[0], name="")], {"": chosen[ends[0].name]}
-        axes = tuple(self._axis(joint, joint.child) for _, joint in moved)
+        axes = tuple(self._axis(joint) for _, joint in self.moved)
         self.notes += notes_on(self.urdf, Arm(self._base, "", axes, WORLD, WORLD.z, (), ()), proven=False)
         if changes := [change for joint in kept for change in changes_of(joint, self.snap)]:
             n = len(changes)
             self.notes.insert(0, f"{n} angle{'s' * (n > 1)} rounded, largest change {max(changes):.2g} rad")
-        tool = description.IDENTITY if ends[0].name else ends[0].tool
         coupled = [variable_of(row) for row in joints if not row.drive]
         given = self.urdf.gravity and [number(rounded(component)) for component in self.urdf.gravity]
         x, y, z = given or (ZERO, ZERO, multiply(number(-1), Name("g")))
@@ -188,7 +185,7 @@ class _Tree:
             links=tuple(links),
             fixed=tuple(fixed),
             ends=tuple(ends),
-            tool=tool,
+            tool=description.IDENTITY if ends[0].name else ends[0].tool,
             coupled=tuple(coupled) if len(coupled) < len(joints) else (),
             root=root,
         )
@@ -210,12 +207,12 @@ class _Tree:
         stand = Stand(labels[joint.parent], matrix_of(mount, self.snap))
         if joint.type not in MOVING:
             return FixedRow(label, stand, link=self._body(joint.child)), Link()
-        axis = self._axis(joint, joint.child)
+        axis = self._axis(joint)
         return replace(row_of(axis, ""), name=label, stand=stand), link_of(axis, turn, self.snap)
 
-    def _axis(self, joint: UrdfJoint, link: str) -> Axis:
-        body = self.urdf.bodies[link]
-        masses = (Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, link),) if body else ()
+    def _axis(self, joint: UrdfJoint) -> Axis:
+        body = self.urdf.bodies[joint.child]
+        masses = (Mass(body.mass, frame_at(body.origin, self.snap), body.inertia, joint.child),) if body else ()
         return Axis(Line(WORLD.origin, WORLD.z), joint, masses)
 
     def _body(self, link: str) -> Link | None:
@@ -225,7 +222,7 @@ class _Tree:
         if (body := self.urdf.bodies[link]) is None:
             return Link()
         still = UrdfJoint(link, "fixed", "", link, Origin(), ZEROS, body.location)
-        return link_of(self._axis(still, link), WORLD, self.snap)
+        return link_of(self._axis(still), WORLD, self.snap)
 
     def _moved(self, link: str) -> bool:
         return bool(self.root) or self._carriers[link] != self._base
@@ -243,8 +240,8 @@ class _Tree:
             return list(dict.fromkeys(wanted))
         inner = {self._carriers[joint.parent] for joint in self.joints if joint.type in MOVING}
         carrying = {joint.parent for joint in self.joints}
-        tips = [link for link in self._carriers if link not in carrying and self._moved(link)]
-        tips = [link for link in tips if self._carriers[link] not in inner]
+        homes = self._carriers.items()
+        tips = [link for link, at in homes if link not in carrying and at not in inner and self._moved(link)]
         joined = {link for join in self.joins for link in join.links}
         tips = [link for link in tips if link not in joined] or tips
         if not tips:

@@ -92,9 +92,8 @@ class Imported:
     def report(self) -> tuple[str, ...]:
         """What was made, in lines."""
         kinds = "".join("R" if joint.is_revolute else "P" for joint in self.robot.joints)
-        ends = " to ".join(self.links)
         count = f"{self.robot.n} joint{'s' * (self.robot.n > 1)}"
-        head = f"{count} ({kinds}), {self.robot.convention.value}, {ends}; base and tool constant"
+        head = f"{count} ({kinds}), {self.robot.convention.value}, {' to '.join(self.links)}; base and tool constant"
         snapped = "no angles rounded"
         if n := len(self.changes):
             snapped = f"{n} angle{'s' * (n > 1)} rounded, largest change {max(self.changes):.2g} rad"

@@ -31,8 +31,7 @@ def with_numbers(robot: Some, chosen: Mapping[str, Expression] | None = None) ->
         found = f"{robot.name}: symbols without a number: {shown}"
         remedy = f"give them under parameters:, or write --values {example}"
         raise DeriveError(found, allowed="other programs accept numbers only", remedy=remedy)
-    cells = {name: _filled(getattr(robot, name), values) for name in PARTS}
-    return replace(robot, **cells, parameters=(), runtime=())
+    return replace(robot, **{name: _filled(getattr(robot, name), values) for name in PARTS}, parameters=(), runtime=())
 
 
 def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
@@ -53,11 +52,9 @@ def _filled(part: Any, values: Mapping[str, Expression]) -> Any:
 
 
 def with_positive_axes(robot: Some) -> Some:
-    """The same arm by a table in which every variable counts positive along its axis.
-
-    A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
-    Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
-    """
+    """The same arm by a table in which every variable counts positive along its axis."""
+    # A half turn H about x takes z to -z, so that Rot(z, -q) Trans(z, d) = H Rot(z, q) Trans(z, -d) H. It commutes with
+    # Trans(x, a) Rot(x, alpha) and adds pi to the alpha on either side; next to the base or the tool it goes there.
     # Which rows have H on their z part; two that follow one another cancel between them.
     turned = [joint.sign < 0 for joint in robot.joints]
     before, behind = [False, *turned[:-1]], [*turned[1:], False]

@@ -68,8 +68,7 @@ def row_of(axis: Axis, variable: str, cells: tuple[Expression, ...] = (ZERO,) * 
 
 def label_of(name: str) -> str:
     """A name of a file as a robot file may have it: on one line, and not too long."""
-    label = name if name.isprintable() else quoted(name, len(name))[1:-1]
-    return label[: FILE_LIMITS.title_length]
+    return (name if name.isprintable() else quoted(name, len(name))[1:-1])[: FILE_LIMITS.title_length]
 
 
 def angle(value: Real, snap: Fraction) -> Expression:

@@ -119,8 +119,7 @@ def _part(body: str, joint: str, type: str = "fixed", **more: Any) -> dict[str, 
 def csv_text(arm: BodyChain, head: list[str]) -> str:
     """The table and the links as comma-separated values, SI units and radians."""
     out = StringIO()
-    for line in head:
-        out.write(f"# {line}\n")
+    out.writelines(f"# {line}\n" for line in head)
     for name, frame in (("base", arm.base), ("tool", arm.tool)):
         out.write(f"# {name}: {'; '.join(_matrix(frame)).replace(',', '')}\n")
     if arm.robot.gravity is not None:
@@ -136,8 +135,7 @@ def csv_text(arm: BodyChain, head: list[str]) -> str:
             cells |= {f"I{key}": getattr(link.inertia, key) for key in ("xx", "yy", "zz", "xy", "xz", "yz")}
             cells |= {"armature": link.armature, "viscous": link.viscous, "coulomb": link.dry[0]}
             cells |= {"coulomb_minus": link.dry[1]} if by_direction else {}
-            motor = link.motor
-            cells |= {f"motor_{key}": motor and getattr(motor, key) for key in ("mass", "inertia", "ratio")}
+            cells |= {f"motor_{key}": link.motor and getattr(link.motor, key) for key in ("mass", "inertia", "ratio")}
         row = {"convention": arm.robot.convention.value, "joint": joint.label, "type": joint.type.value}
         row["sign"] = str(joint.sign)
         rows.append(row | {key: "" if cell is None else text(ball(cell)) for key, cell in cells.items()})

@@ -66,10 +66,9 @@ def untied(robot: Robot) -> tuple[Robot, Ties]:
 
     driven = {robot.joints[k].label: _sum((arb_mat([matrix[k]]) * inverse).entries()) for k in rows if k not in basis}
     own = {joint.variable for joint in robot.joints if not joint.drive}
-    names = [variable.variable for variable in robot.coupled]
-    sums = zip(names, (_sum(row) for row in inverse.tolist()), strict=True)
+    sums = zip(robot.coupled, inverse.tolist(), strict=True)
     bare = replace(robot, joints=tuple(_alone(robot, joint) for joint in robot.joints), coupled=())
-    ties = Ties(driven, {name: total for name, total in sums if name not in own})
+    ties = Ties(driven, {each.variable: _sum(row) for each, row in sums if each.variable not in own})
     return _open(robot, bare, ties) if robot.loops else (bare, ties)
 
 

@@ -183,8 +183,7 @@ class Design:
         """A motion whose joints keep positions, speeds and accelerations at all times, as large as it may be or not."""
         room, series = self.room, self.series
         moved, speeds, accelerations = np.einsum("otw,nw->ont", series.basis(series.times)[..., 1:], rows[:, 1:])
-        off = (rows[:, 0] - room.middle)[:, None]
-        ways = np.abs(moved) / (BETWEEN * room.half[:, None] - np.sign(moved) * off)
+        ways = np.abs(moved) / (BETWEEN * room.half[:, None] - np.sign(moved) * (rows[:, :1] - room.middle[:, None]))
         rates = np.abs(speeds) / room.speed[:, None], np.abs(accelerations) / room.acceleration[:, None]
         used = np.max([ways, *(rate / BETWEEN for rate in rates)], axis=(0, 2))
         return scaled(rows, ROUNDED / np.maximum(used, 0.0 if grown else ROUNDED)[:, None])

@@ -30,16 +30,10 @@ from derive.model.identification.base_parameters import BaseSet, base_set
 from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
-from derive.robot import tree
+from derive.robot import inertial_parameters, tree
 from derive.robot.description import INERTIA, Inertia, Link, Motor
 from derive.robot.expression import ONE, ZERO, Expression, Name, Number, add, multiply, number
-from derive.robot.inertial_parameters import (
-    FRICTION_PARTS,
-    LINK_PARTS,
-    REGRESSOR_JOINTS,
-    Parameter,
-    standard_parameters,
-)
+from derive.robot.inertial_parameters import FRICTION_PARTS, LINK_PARTS, REGRESSOR_JOINTS, Parameter
 from derive.robot.names import free_symbols, without_lost_symbols
 from derive.robot.robot import Robot
 
@@ -92,7 +86,7 @@ class Unknowns:
     @cached_property
     def standard(self) -> tuple[Parameter, ...]:
         """Its standard parameters."""
-        return standard_parameters(self.wide)
+        return inertial_parameters.standard_parameters(self.wide)
 
     @cached_property
     def given(self) -> Array:

@@ -121,12 +121,9 @@ class _Reader:
             if int(model.eq_obj1id[k]) in seen:
                 raise self.refused(f"{found}: {self.name('joint', model.eq_obj1id[k])} has one already", "remove one")
             seen.add(int(model.eq_obj1id[k]))
+        known = (self._turns, self._slides, self._free)  # MuJoCo has free ones at the root alone
         for j in self._joints:
-            if model.jnt_type[j] not in (
-                self._turns,
-                self._slides,
-                self._free,
-            ):  # MuJoCo has free ones at the root alone
+            if model.jnt_type[j] not in known:
                 raise self.refused(f"joint {quoted(self.name('joint', j))} is a ball", "write hinges or slides")
 
     def closures(self, offsets: Mapping[int, Triple]) -> Iterator[Held]:
@@ -176,7 +173,10 @@ class _Reader:
             there, back = _triple(model.jnt_pos[j]), self._at_rest(j)
             way, rpy = subtract(there, here), frame.rpy
             if back and model.jnt_type[j] == self._turns:
-                rpy = _angles(self._turned(quaternion, model.jnt_axis[j], -back))
+                turned, by = np.empty(4), np.empty(4)
+                self._mujoco.mju_axisAngle2Quat(by, model.jnt_axis[j], -back)
+                self._mujoco.mju_mulQuat(turned, quaternion, by)
+                rpy = _angles(turned)
             elif back:
                 way = subtract(way, scale(_number(back), _triple(model.jnt_axis[j])))
             x, y, z = (decimal(c, DIGITS) for c in frame_at(frame, Fraction(0)).point(vector(way)))
@@ -189,12 +189,6 @@ class _Reader:
     def _at_rest(self, j: int) -> float:
         """The position at which the file has a joint."""
         return float(self._model.qpos0[self._model.jnt_qposadr[j]])
-
-    def _turned(self, quaternion: Any, axis: Any, angle: float) -> Any:
-        turn, found = np.empty(4), np.empty(4)
-        self._mujoco.mju_axisAngle2Quat(turn, axis, angle)
-        self._mujoco.mju_mulQuat(found, quaternion, turn)
-        return found
 
     def _moving(self, j: int, parent: str, child: str, origin: Origin) -> UrdfJoint:
         model, turns = self._model, self._model.jnt_type[j] == self._turns

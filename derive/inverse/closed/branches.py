@@ -238,8 +238,7 @@ class InverseSolver:
 
     def _numeric(self, poses: Array, given: Array, near: Array | None) -> Branches:
         start = None if near is None else near.tolist()
-        values = (dict(zip(self.graph.given, row, strict=True)) for row in given)
-        pairs = zip(poses, values, strict=True)
+        pairs = zip(poses, (dict(zip(self.graph.given, row, strict=True)) for row in given), strict=True)
         found = [solve(self.chain, pose, entries=self.entries, given=own, near=start) for pose, own in pairs]
         width = max((len(one.q) for one in found), default=0)
         q = np.full((len(poses), width, self.chain.n), np.nan)

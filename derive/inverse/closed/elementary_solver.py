@@ -125,13 +125,11 @@ class Solver(Generic[N, M]):
 
     def degenerate(self, formula: NodeFormula, factor: float = 1.0) -> M:
         """Whether a formula does not determine its unknown here."""
-        first = formula.equations[0]
-        second = formula.equations[-1]
+        first, second = formula.equations[0], formula.equations[-1]
         # Cosine and sine from an equation each: lost where either divisor is zero.
         if formula.kind is NodeKind.TYPE_3 and len(formula.degenerate) == 2:
-            pairs = zip(formula.degenerate, (first, second), strict=True)
-            zeros = [self._is_zero(p, factor, own) for p, own in pairs]
-            return zeros[0] | zeros[1]
+            one, other = formula.degenerate
+            return self._is_zero(one, factor, first) | self._is_zero(other, factor, second)
         # Where the second equation has the coefficients of the first, turned by a right angle, the determinant is
         # A^2 + B^2: a square, so compared with the square of the usual threshold.
         if formula.kind is NodeKind.TYPE_3 and len(formula.degenerate) == 1 and not formula.degenerate[0].is_constant:
@@ -233,10 +231,8 @@ class Solver(Generic[N, M]):
         return self._both(square - c * c, square + usual * usual * f.number(SHORT), _turned)
 
     def _square_of_other(self, factor: Polynomial, right: Polynomial, known: N) -> tuple[N, N]:
-        """1 - x^2 of x = C/B, and its size: by B - C and B + C where one of these is known to all its digits.
-
-        So it is beside a folded elbow of two equal lengths, whose B + C is the square of a distance.
-        """
+        """1 - x^2 of x = C/B, and its size: by B - C and B + C where one of these is known to all its digits."""
+        # So it is beside a folded elbow of two equal lengths, whose B + C is the square of a distance.
         f, one = self.field, self.field.number(1)
         for sign in (1, -1):
             # 1 - x^2 = (1 - x)(1 + x), and B (1 +- x) = B +- C without cancellation.
@@ -333,11 +329,9 @@ def _largest(f: Field[N, M], rows: Sequence[Vector[N]]) -> Vector[N]:
 
 
 def _far_root(f: Field[N, M], linear: N, constant: N) -> N:
-    """The real root of x^3 + linear x = constant that is farthest from the others, which has the sign of the constant.
-
-    Halley's method from above, where the cubic is convex. The start is sqrt(-linear) + constant^(1/3), and the exponent
-    1/3 is nearly 1/4 + 1/16 + 1/64 + 1/256.
-    """
+    """The real root of x^3 + linear x = constant farthest from the others, which has the sign of the constant."""
+    # Halley's method from above, where the cubic is convex. The start is sqrt(-linear) + constant^(1/3), and the
+    # exponent 1/3 is nearly 1/4 + 1/16 + 1/64 + 1/256.
     negative = f.merges(constant, f.number(0))
     size = f.select(negative, -constant, constant)
     # size^(1/4 + 1/16 + 1/64 + 1/256) by square roots, nearly the cubic root.

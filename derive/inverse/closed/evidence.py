@@ -189,12 +189,10 @@ class Evidence:
         span = slice(self._starts[place], self._starts[place + 1])
         # A polynomial of second degree on the circle: interpolated in 1, c, s, c^2, c s, checked at one more place.
         values = np.concatenate([rows[:, :, :1], rows[:, :, span]], axis=2)
+        basis, degree_of = [[1, r, r * r % p] for r in (0, *self._steps)], np.array([0, 1, 2])
         if change.group >= 0:
             basis = [[1, c, s, c * c % p, c * s % p] for c, s in [(1, 0), *self._nodes]]
             degree_of = np.array([0, 1, 1, 2, 2])
-        else:
-            basis = [[1, r, r * r % p] for r in (0, *self._steps)]
-            degree_of = np.array([0, 1, 2])
         size = len(degree_of)
         joined = np.hstack([np.array([r[:size] for r in basis[:size]], dtype=np.int64), np.eye(size, dtype=np.int64)])
         inverse = echelon(joined, p)[1][:, size:].T  # of the values at the nodes, by Gauss and Jordan modulo the prime

@@ -83,10 +83,8 @@ class GraphDerivation:
     def _gather(
         self, allowed: frozenset[tuple[int, int]], *, keep_tool: bool, keep_base: bool = False, deep: bool
     ) -> None:
-        """The equations; they reach to the end effector where its orientation is not told, else to the last joint.
-
-        They begin at the first joint, but in the world where the base mixes what the task tells with what it does not.
-        """
+        """The equations; they reach to the end effector where its orientation is not told, else to the last joint."""
+        # They begin at the first joint, but in the world where the base mixes what the task tells with other entries.
         self.to_end = keep_tool
         kept = {"keep_tool": keep_tool, "keep_base": keep_base}
         self.links: Links[Polynomial] = Links(self.robot, self.domain, self.domain.joint_turn, **kept)
@@ -201,8 +199,7 @@ class GraphDerivation:
         given = len(self.given)
         node = NodeFormula(NodeKind.GENERAL, payload=formula)
         self.nodes.append(Node(given, free, (node,), tuple(range(given)), formula.branches))
-        count = formula.solution.count
-        return replace(self._finished(), count=count, complete=count > 0)
+        return replace(self._finished(), count=formula.solution.count, complete=formula.solution.count > 0)
 
     def with_conditions(self, graph: SolutionGraph, missing: int) -> SolutionGraph:
         """The graph with what its pose must satisfy."""

@@ -157,13 +157,10 @@ class Links(Generic[S]):
         self.tool = chain.tool
         if self.n > 1 or not keep_tool:
             self.base, self.offsets[0] = self.base @ self.offsets[0], unit
-        if keep_tool:
-            self.offsets[-1], self.tool = self.offsets[-1] @ self.tool, unit
-        else:
-            self.offsets[-1], self.tool = unit, self.offsets[-1] @ self.tool
+        last = self.offsets[-1] @ self.tool
+        self.offsets[-1], self.tool = (last, unit) if keep_tool else (unit, last)
         self.start = self.base if keep_base else None
-        if keep_base:
-            self.base = unit
+        self.base = unit if keep_base else self.base
 
     def cuts(self) -> Iterator[Cut]:
         """All cuts, those of short M first."""

@@ -85,10 +85,8 @@ class Pose:
         return (x, y, z)
 
     def _entry(self, name: str, value: Polynomial | None) -> Polynomial:
-        """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name.
-
-        An earlier one has the same dimension, and what is told by the task is not written by what is not.
-        """
+        """An entry: zero, plus or minus one, plus or minus an earlier one, what it is if that is short, or its name."""
+        # An earlier one has the same dimension, and what is told by the task is not written by what is not.
         ring, p = self._domain.ring, self._evidence.prime
         residues = self._evidence.number(name, self._constants)
         for number in (0, 1, -1):

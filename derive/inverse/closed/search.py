@@ -126,8 +126,7 @@ class Search:
                     rank = 2 if not np.any(right) else 3 if never else 5
                     choices.append(Choice(NodeKind.TYPE_2, (k,), (rank, int(self.lengths[k]))))
                 if not choices:
-                    conics = [k for k in order if effect.degrees[k] == 2][:4]
-                    rank = RANK[NodeKind.CONIC]
+                    conics, rank = [k for k in order if effect.degrees[k] == 2][:4], RANK[NodeKind.CONIC]
                     choices = [Choice(NodeKind.CONIC, (k,), (rank, int(self.lengths[k]))) for k in conics]
             if choices:
                 choices.sort(key=lambda choice: (BRANCHES[choice.kind], *choice.cost))
@@ -231,11 +230,9 @@ class Search:
         return np.asarray(np.all(own[0][:, leading.get(choice.kind, [1, 2, 3, 4])] == 0, axis=1))
 
     def _pairs(self, coefficients: Array, linear: Sequence[int]) -> list[Choice]:
-        """Pairs of equations A c + B s = C that determine cosine and sine.
-
-        First those that do so at every pose, then A c + B s, -B c + A s, whose determinant is a sum of squares: it is
-        zero where the angle is free, and nowhere else.
-        """
+        """Pairs of equations A c + B s = C that determine cosine and sine."""
+        # First those that do so at every pose, then A c + B s, -B c + A s, whose determinant is a sum of squares: it is
+        # zero where the angle is free, and nowhere else.
         if len(linear) < 2:
             return []
         p, numbers = self.evidence.prime, np.array(linear)

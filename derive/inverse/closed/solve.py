@@ -73,10 +73,9 @@ def _derived(robot: Robot, task: Task, given: tuple[int, ...] | None) -> Solutio
     if given is not None:
         freedom.check(given)
     choices = [given] if given is not None else list(freedom.choices())[:_TRIED]
-    wanted = sum(FREEDOMS.get(row, 1) for row in task)
     for arm in (robot, with_numbers(robot, baked(robot))):
         with suppress(CoincidenceError):
-            graph = _solved(arm, task, choices, wanted - freedom.rank)
+            graph = _solved(arm, task, choices, freedom.wanted - freedom.rank)
             return replace(graph, everywhere=graph.complete and freedom.fills(graph.given))
     return refusal(robot, task, choices[0], "the formulas hold for special numbers of the parameters only")
 
@@ -95,14 +94,10 @@ def _solved(robot: Robot, task: Task, choices: Sequence[tuple[int, ...]], missin
     for way, deep in ((by_one, False), (by_one, True), (by_pairs, False)):
         for choice in choices:
             derivation = GraphDerivation(robot, task, choice, deep=deep)
-            graph = way(derivation)
-            if graph is not None:
-                graph = derivation.with_conditions(graph, missing)
-                return counted(graph, derivation.sampled, derivation.numbers)
+            if (graph := way(derivation)) is not None:
+                return counted(derivation.with_conditions(graph, missing), derivation.sampled, derivation.numbers)
     general = GraphDerivation(robot, task, choices[0]).general_graph()
-    if general is not None:
-        return general
-    return refusal(robot, task, choices[0], "the joints cannot be solved for one after the other")
+    return general or refusal(robot, task, choices[0], "the joints cannot be solved for one after the other")
 
 
 def refusal(robot: Robot, task: Task, given: Sequence[int], reason: str) -> SolutionGraph:
@@ -202,7 +197,7 @@ class Freedom:
             moved = [v[i - 1] if j == 4 else cross(v[3:], column(rotation, j - 1))[i - 1] for v in columns]
             rows.append([int(x.values.item()) for x in moved])
         self._table, self._prime = np.array(rows, dtype=np.int64), residues.prime
-        self._wanted = sum(FREEDOMS.get(row, 1) for row in task)
+        self.wanted = sum(FREEDOMS.get(row, 1) for row in task)
         self._twists = [[int(x.values.item()) for x in v] for v in columns]
         self.rank = self._rank(range(robot.n))
         motions = [(joint.cosine, joint.sine) if joint.revolute else (joint.offset,) for joint in chain.joints]
@@ -227,7 +222,7 @@ class Freedom:
     def fills(self, given: Sequence[int]) -> bool:
         """Whether no pose has more isolated solutions than a generic one, as far as that is proven."""
         twists = [own for k, own in enumerate(self._twists) if k not in given]
-        return len(twists) == self._wanted or (self._wanted == 6 and self._stand_alone(twists))
+        return len(twists) == self.wanted or (self.wanted == 6 and self._stand_alone(twists))
 
     def _stand_alone(self, twists: Sequence[Sequence[int]]) -> bool:
         """Whether no pose of joints with these twists has more isolated solutions than a generic one."""
@@ -259,11 +254,9 @@ class Freedom:
         return list(echelon(np.array(twists, dtype=np.int64), self._prime)[1].tolist())
 
     def choices(self) -> Iterator[tuple[int, ...]]:
-        """Which joints may be given so that the task determines the others, the usual choice first.
-
-        With a shoulder and a wrist of three axes through one point each, seven joints have their elbow's swivel as
-        third joint; else the last joints are given.
-        """
+        """Which joints may be given so that the task determines the others, the usual choice first."""
+        # With a shoulder and a wrist of three axes through one point each, seven joints have their elbow's swivel as
+        # third joint; else the last joints are given.
         n, extra = self.robot.n, self.robot.n - self.rank
         sets = sorted(combinations(range(n), extra), key=lambda joints: tuple(-k for k in reversed(joints)))
         if extra == 1 and n == 7 and self.meet(0) and self.meet(4):

@@ -157,10 +157,8 @@ class InverseDomain(PolynomialDomain):
         return any(part >> u & 1 and part >> v & 1 for part in state.groups[g])
 
     def rewritten(self, p: Polynomial, state: State, unknown: Unknown) -> Polynomial:
-        """A polynomial with all angles of a group between parts that are known, counted from one of the unknown's.
-
-        What does not occur after all drops out then, for the angles between the parts are independent.
-        """
+        """A polynomial with all angles of a group between parts that are known, counted from one of the unknown's."""
+        # What does not occur after all drops out then, for the angles between the parts are independent.
         g, *ends = self.ends(unknown) if unknown.is_angle else (-1,)
         degrees, images, changed = p.degrees(), list(self.ring.context.gens()), False
         for name, (group, u, v) in self._angle_places.items():

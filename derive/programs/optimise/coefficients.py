@@ -76,8 +76,7 @@ class Coefficients:
 
     def find(self, residue: int) -> Ref | None:
         """The coefficient of some value, or minus that of its opposite; None where neither is known."""
-        found = self._known.get(residue)
-        if found is not None:
+        if (found := self._known.get(residue)) is not None:
             return found
         other = self._known.get(PRIME - residue)
         return None if other is None else negated(other)
@@ -85,8 +84,7 @@ class Coefficients:
     def same(self, ref: Ref) -> Ref:
         """The reference by which a value is known."""
         residue = self.residue(ref)
-        found = self.find(residue)
-        if found is None:
+        if (found := self.find(residue)) is None:
             found = self._known[residue] = ref
         return found
 
@@ -121,8 +119,7 @@ class Coefficients:
     def residue(self, ref: Ref) -> int:
         """The value at the random point."""
         node = node_of(ref)
-        value = self._residues.get(node)
-        if value is None:
+        if (value := self._residues.get(node)) is None:
             source, number = self.graph.sources.get(node), self.graph.constants.get(node)
             if source is not None:
                 value = scatter(source.kind, source.index)

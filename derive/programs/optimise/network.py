@@ -290,11 +290,6 @@ def single(polynomial: Polynomial) -> Operand | None:
     return Operand(monomial[0], coefficient) if len(monomial) == 1 and coefficient in UNITS else None
 
 
-def term_cost(monomial: Monomial, coefficient: Ref) -> int:
-    """Multiplications of a coefficient and a product of variables."""
-    return len(monomial) - (coefficient in UNITS) if monomial else 0
-
-
 def polynomial_cost(polynomial: Polynomial) -> int:
     """Multiplications and additions of a sum of products."""
     cost = len(polynomial) - 1

@@ -226,9 +226,8 @@ class Circle:
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial with one kind of squares written out, if that is cheaper."""
-        if not (squares := self.squares(polynomial)):
-            return polynomial
-        return min([polynomial, *(self.without(polynomial, variable) for variable in squares)], key=polynomial_cost)
+        rewritten = (self.without(polynomial, variable) for variable in self.squares(polynomial))
+        return min([polynomial, *rewritten], key=polynomial_cost)
 
 
 class Search:

@@ -10,15 +10,7 @@ from dataclasses import dataclass
 from heapq import heappop, heappush
 from operator import attrgetter
 
-from derive.programs.optimise.network import (
-    Definition,
-    Monomial,
-    Network,
-    Operand,
-    Polynomial,
-    polynomial_cost,
-    term_cost,
-)
+from derive.programs.optimise.network import Definition, Monomial, Network, Operand, Polynomial, polynomial_cost
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ONE, UNITS, Ref, is_negative, signed
 
@@ -219,6 +211,11 @@ class Extractor:
                 network.plus(new, tuple(sorted((*quotient, *factor))), product)
             network.define(variable, new)
         network.settle()
+
+
+def term_cost(monomial: Monomial, coefficient: Ref) -> int:
+    """Multiplications of a coefficient and a product of variables."""
+    return len(monomial) - (coefficient in UNITS) if monomial else 0
 
 
 def _common(a: Monomial, b: Monomial) -> Monomial:

@@ -204,11 +204,9 @@ def together(arguments: Sequence[Array]) -> tuple[Array, ...]:
 
 
 def row_transform(arm: NumericArm, i: int, q: Array) -> Array:
-    """A_i without what is constant before the row, the product of its four elementary transforms.
-
-    Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
-    Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
-    """
+    """A_i without what is constant before the row, the product of its four elementary transforms."""
+    # Standard: Rot(z, theta) Trans(z, d) Trans(x, a) Rot(x, alpha). Modified (a and alpha are a_{i-1} and alpha_{i-1}):
+    # Rot(x, alpha) Trans(x, a) Rot(z, theta) Trans(z, d).
     # theta_i = sign q + theta of a revolute joint, d_i = sign q + d of a prismatic one
     moving = arm.sign[i] * q
     theta = arm.theta[i] + moving * arm.revolute[i]
@@ -243,11 +241,9 @@ def row_starts(arm: NumericArm, frames: Array) -> Array:
 
 
 def joint_axes(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
-    """Direction of z and a point on the axis of each joint, in frame 0.
-
-    Joint i moves along or about z through the origin where row i begins, z_{i-1} and o_{i-1} of a chain (standard), or
-    z_i through o_i (modified).
-    """
+    """Direction of z and a point on the axis of each joint, in frame 0."""
+    # Joint i moves along or about z through the origin where row i begins, z_{i-1} and o_{i-1} of a chain (standard),
+    # or z_i through o_i (modified).
     on_axis = row_starts(arm, frames) if arm.standard else frames[..., 1:, :, :]
     return on_axis[..., :3, 2], on_axis[..., :3, 3]
 
@@ -256,8 +252,7 @@ def point_jacobian(arm: NumericArm, frames: Array, points: Array, moves: Array) 
     """Linear Jacobians dp/dq in frame 0 of points on links; ``moves``: (m, n), the joints that move each."""
     # dp/dq_j = z_j x (p - o_j) of a revolute joint, z_j of a prismatic one; zero for joints that do not move it
     axis, origin = joint_axes(arm, frames)
-    lever = points[..., :, None, :] - origin[..., None, :, :]
-    turning = cross(axis[..., None, :, :], lever)
+    turning = cross(axis[..., None, :, :], points[..., :, None, :] - origin[..., None, :, :])
     return _only_moving(arm, np.where(arm.revolute[:, None], turning, axis[..., None, :, :]), moves)
 
 
@@ -269,10 +264,8 @@ def angular_jacobian(arm: NumericArm, frames: Array, moves: Array) -> Array:
 
 
 def rotor_places(arm: NumericArm, frames: Array) -> Array:
-    """Where the rotors sit, in frame 0, rotor i fixed on the link that joint i follows.
-
-    o_{i-1}, or where row i begins (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
-    """
+    """Where the rotors sit, in frame 0, rotor i fixed on the link that joint i follows."""
+    # o_{i-1}, or where row i begins (standard); o_i at q_i = 0 (modified), where a revolute joint leaves o_i anyway.
     carriers = row_starts(arm, frames)
     if arm.standard:
         return np.asarray(carriers[..., :3, 3])

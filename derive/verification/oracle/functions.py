@@ -202,8 +202,7 @@ class Oracle:
                 present &= self.arm.coupling is None or not function.startswith("manipulability")
                 present &= not self.arm.loops or not function.startswith(OPEN)
                 present &= function != "passive_positions" or bool(self.arm.loops)
-                has_task = not self.is_tree and len(frames.task_rows(arm)) <= arm.n
-                present &= name != "task_inertia" or has_task
+                present &= name != "task_inertia" or (not self.is_tree and len(frames.task_rows(arm)) <= arm.n)
             names += [name] * present
         return tuple(names)
 

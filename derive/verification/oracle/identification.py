@@ -10,16 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from derive.robot.inertial_parameters import Parameter
-from derive.verification.oracle.frames import (
-    Array,
-    NumericArm,
-    angular_jacobian,
-    chain_frames,
-    cross,
-    joint_axes,
-    point_jacobian,
-    rotor_places,
-)
+from derive.verification.oracle import frames as kinematics
+from derive.verification.oracle.frames import Array, NumericArm, cross
 from derive.verification.oracle.newton import inverse_dynamics, link_motions
 
 _AXES = {"x": 0, "y": 1, "z": 2}
@@ -72,13 +64,10 @@ def fitting_states(known: Identification) -> tuple[Array, Array, Array]:
 
 
 class _Columns:
-    """Columns of a regressor, from frames of the parameters, motions of their links and the rotors' places in frame 0.
-
-    Links' parameters are in frames on the axes of their joints, or in DH frames.
-    """
+    """Columns of a regressor; links' parameters are in frames on the axes of their joints, or in DH frames."""
 
     def __init__(self, arm: NumericArm, q: Array, qd: Array, qdd: Array, *, on_axes: bool) -> None:
-        frames = chain_frames(arm, q)
+        frames = kinematics.chain_frames(arm, q)
         seen = frames[..., 1:, :, :]
         if on_axes and arm.standard:  # from DH frame i back over Trans(x, a_i) Rot(x, alpha_i)
             c, s, one, zero = np.cos(arm.alpha), np.sin(arm.alpha), np.ones(arm.n), np.zeros(arm.n)
@@ -86,13 +75,13 @@ class _Columns:
             seen = seen @ np.moveaxis(np.array(rows), -1, 0)
         links = arm.moves[:-1]
         self.arm, self.arguments = arm, (q, qd, qdd)
-        self.motions = link_motions(arm, frames, joint_axes(arm, frames), qd, qdd)
-        self.places = rotor_places(arm, frames)
+        self.motions = link_motions(arm, frames, kinematics.joint_axes(arm, frames), qd, qdd)
+        self.places = kinematics.rotor_places(arm, frames)
         # Jacobians of the frames' origins, along whose rows the unit wrenches work.
         self.rotations, self.origins = seen[..., :3, :3], seen[..., :3, 3]
-        self.linear = point_jacobian(arm, frames, self.origins, links)
-        self.angular = angular_jacobian(arm, frames, links)
-        self.rotor_linear = point_jacobian(arm, frames, self.places, arm.moves[arm.parent])
+        self.linear = kinematics.point_jacobian(arm, frames, self.origins, links)
+        self.angular = kinematics.angular_jacobian(arm, frames, links)
+        self.rotor_linear = kinematics.point_jacobian(arm, frames, self.places, arm.moves[arm.parent])
 
     def of(self, parameters: tuple[Parameter, ...]) -> Array:
         return np.stack([self._column(parameter) for parameter in parameters], axis=-1)

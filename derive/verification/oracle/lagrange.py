@@ -6,15 +6,8 @@ configurations ``(..., n)``.
 
 import numpy as np
 
-from derive.verification.oracle.frames import (
-    Array,
-    NumericArm,
-    angular_jacobian,
-    chain_frames,
-    joint_axes,
-    point_jacobian,
-    rotor_places,
-)
+from derive.verification.oracle import frames as kinematics
+from derive.verification.oracle.frames import Array, NumericArm, chain_frames
 
 STEP = 1e-30  # complex step: no difference is taken, so it may be so small that the truncation error vanishes
 CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
@@ -23,7 +16,7 @@ CHUNK = 500_000  # Jacobian entries in memory at once while B is differentiated
 def inertia_matrix(arm: NumericArm, q: Array) -> Array:
     """B = sum m Jv'Jv + Jw' R I R' Jw over bodies, and rotors with inertia about their axes alone, and armatures."""
     frames = chain_frames(arm, q)
-    axis, _ = joint_axes(arm, frames)
+    axis, _ = kinematics.joint_axes(arm, frames)
     linear, angular = link_jacobians(arm, frames)
     # Angular Jacobian in the axes of each body's link, where its tensor is constant: R^T Jw.
     in_link = _transpose(frames[..., arm.carrier + 1, :3, :3]) @ angular
@@ -76,7 +69,7 @@ def potential_energy(arm: NumericArm, q: Array) -> Array:
     # Places in the world, since U is zero at its origin
     turn, origin = arm.base[:3, :3], arm.base[:3, 3]
     links = _mass_centres(arm, frames) @ turn.T + origin
-    rotors = rotor_places(arm, frames) @ turn.T + origin
+    rotors = kinematics.rotor_places(arm, frames) @ turn.T + origin
     return np.asarray(-(links @ arm.gravity) @ arm.mass - (rotors @ arm.gravity) @ arm.rotor_mass)
 
 
@@ -88,17 +81,18 @@ def kinetic_energy(arm: NumericArm, q: Array, qd: Array) -> Array:
 def link_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Linear and angular Jacobians of the bodies' centres of mass, as the frames are seen, (..., k, 3, n) both."""
     moves = arm.moves[arm.carrier]
-    return point_jacobian(arm, frames, _mass_centres(arm, frames), moves), angular_jacobian(arm, frames, moves)
+    linear = kinematics.point_jacobian(arm, frames, _mass_centres(arm, frames), moves)
+    return linear, kinematics.angular_jacobian(arm, frames, moves)
 
 
 def rotor_jacobians(arm: NumericArm, frames: Array) -> tuple[Array, Array]:
     """Those of the rotors, (..., n, 3, n): each moves with the link before and spins about z by ratio * qd_i more."""
     moves = arm.moves[arm.parent]
-    linear = point_jacobian(arm, frames, rotor_places(arm, frames), moves)
-    axis, _ = joint_axes(arm, frames)
+    linear = kinematics.point_jacobian(arm, frames, kinematics.rotor_places(arm, frames), moves)
+    axis, _ = kinematics.joint_axes(arm, frames)
     # ratio z qd_i on top of the rotation of the link that carries it
     spin = axis[..., :, :, None] * (np.eye(arm.n) * arm.ratio[:, None])[:, None, :]
-    return linear, angular_jacobian(arm, frames, moves) + spin
+    return linear, kinematics.angular_jacobian(arm, frames, moves) + spin
 
 
 def _mass_centres(arm: NumericArm, frames: Array) -> Array:

@@ -6,6 +6,7 @@ closed forms of roll, pitch, yaw and Euler ZYZ (Siciliano, Sciavicco, Villani, O
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -67,9 +68,8 @@ def manipulability(arm: NumericArm, q: Array, part: str = "all") -> Array:
 
 def manipulability_dq(arm: NumericArm, q: Array) -> Array:
     """d w / d q_j, half of that of w^2 over w."""
-    slopes = _by_joints(arm, q, lambda q: gram_determinant(arm, q))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(slopes / (2 * manipulability(arm, q)[..., None]))
+        return np.asarray(_by_joints(arm, q, partial(gram_determinant, arm)) / (2 * manipulability(arm, q)[..., None]))
 
 
 def analytic_jacobian(arm: NumericArm, q: Array, kind: str) -> Array:
