@@ -3,7 +3,6 @@
 import itertools
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from math import hypot, remainder, tau
 
 from derive.checking.formulas.edits import NO_VALUE, float_value, nodes
@@ -20,27 +19,14 @@ ONLY_AT_POINTS = ("Atan2", "acos", "asin", "atan")  # what only a comparison at 
 ARCS = ("atan2", *ONLY_AT_POINTS)
 
 
-@dataclass(frozen=True, slots=True)
-class Branches:
-    """What was seen of two sides at many points."""
-
-    points: int  # points at which both have a value
-    alike: int  # those of them at which some choice of the signs makes them equal
-
-    @property
-    def some(self) -> bool:
-        """Whether they are equal at some of the points only: the other ones belong to other branches."""
-        return 0 < self.alike < self.points
-
-
 def has_branches(e: Expression, functions: Sequence[str]) -> bool:
     """Whether a formula stands for several values: a plus-minus or one of some functions occurs."""
     own = (isinstance(e, Name) and e.name[0] == SIGN) or (isinstance(e, Call) and e.function in functions)
     return own or any(has_branches(child, functions) for child in tree.children(e))
 
 
-def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
-    """Compare two sides at many points, with all choices of their signs; angles count up to full turns."""
+def branches(robot: Robot, one: Expression, other: Expression) -> tuple[int, int]:
+    """How many points give both sides a value, and at how many of them some signs make them equal, up to full turns."""
     joints = {joint.variable for joint in robot.movers if joint.is_revolute}
     modulus = tau if all(_is_angle(side, joints) for side in (one, other)) else 0.0
     wanted = sorted({*tree.names(one), *tree.names(other)})
@@ -55,7 +41,7 @@ def branches(robot: Robot, one: Expression, other: Expression) -> Branches:
         alike += any(near)
         if points == POINTS:
             break
-    return Branches(points, alike)
+    return points, alike
 
 
 def _nearness(

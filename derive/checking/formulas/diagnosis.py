@@ -10,19 +10,8 @@ from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from itertools import chain, islice
 
-from derive.checking.formulas.edits import (
-    NO_VALUE,
-    Edit,
-    Replacements,
-    SlipKind,
-    Spot,
-    changes_text,
-    edits,
-    float_value,
-    is_token,
-    nodes,
-    spots,
-)
+from derive.checking.formulas import edits as slips
+from derive.checking.formulas.edits import NO_VALUE, Edit, SlipKind, Spot, float_value, is_token, nodes
 from derive.errors import DeriveError
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.dynamic_model import DynamicModel
@@ -35,12 +24,10 @@ from derive.robot.robot import Robot
 MAX_WORK = 4_000_000  # float operations, about, spent on one formula; beyond them no change is named
 WORK_OF_EDIT = 8  # float operations of one change beside those on the way to the root, about
 MAX_LACKING_TERMS = 400  # terms of the right formula that a printed one may lack
-# Candidates of one kind that are decided exactly: what is right at one point to nine digits rarely fails.
-MAX_PROOFS = 20
+MAX_PROOFS = 20  # candidates of one kind that are decided exactly: what is right to nine digits rarely fails
 CLOSE = 1e-9  # relative difference of two values that count as the same
 POINTS = 40  # points that are tried until both formulas have a value
-# Joint angles whose sine and cosine a term may lack; for longer arms only those that occur are tried.
-MAX_SINGLE_ANGLES = 12
+MAX_SINGLE_ANGLES = 12  # joints whose sine and cosine a term may lack; of longer arms only those that occur are tried
 PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)  # kinds of which two changes are tried
 
 
@@ -54,8 +41,7 @@ class Question:
     definitions: Mapping[str, Expression] = field(default_factory=dict)  # what further names stand for
     compared: Callable[[Expression], Expression] | None = None  # what of it must be equal; None for the tree itself
     extra_terms: tuple[Expression, ...] = ()  # further terms that may be missing
-    # Other quantities by name that the formula may be right for.
-    others: Mapping[str, Expression] = field(default_factory=dict)
+    others: Mapping[str, Expression] = field(default_factory=dict)  # other quantities that it may be right for
 
     def is_answer(self, formula: Expression) -> bool:
         """Whether a formula is right, decided exactly."""
@@ -89,12 +75,10 @@ def diagnose(question: Question) -> Repair | None:
     # beside any repair: the formula as it stands may be right for the same symbol with its indices in another order
     others, printed = question.others.items(), question.printed
     meant = next((name for name, value in others if replace(question, right=value).is_answer(printed)), None)
-    if meant is None:
-        return repair
-    text = f"other order of the indices: it is {meant}"
-    if repair is None:
-        return Repair((), text, question.right)
-    return replace(repair, text=f"{repair.text}; or {text}")
+    if meant is not None:
+        text = f"other order of the indices: it is {meant}"
+        repair = replace(repair, text=f"{repair.text}; or {text}") if repair else Repair((), text, question.right)
+    return repair
 
 
 def _smallest_change(question: Question) -> Repair | None:
@@ -106,19 +90,17 @@ def _smallest_change(question: Question) -> Repair | None:
     moving = set(rates).intersection((*names(question.printed), *names(question.right)))
     defined = [n for meaning in (*question.definitions.values(), question.right) for n in names(meaning)]
     known = [*robot_symbols(robot), *variables, *(rates if moving else ()), *question.definitions, *defined]
-    known_names = list(dict.fromkeys(known))
-    wanted = dict.fromkeys([*known_names, *names(question.printed), *names(question.right)])
+    wanted = dict.fromkeys([*known, *names(question.printed), *names(question.right)])
     for values in islice(_points(robot, [*wanted]), POINTS):
         try:
             for name, meaning in question.definitions.items():
                 values[name] = float_value(meaning, values)
-            search = _Search(question, values, known_names)
+            search = _Search(question, values, [*dict.fromkeys(known)])
         except NO_VALUE:  # a definition or one of the formulas has no value at this point
             continue
-        found = search.changes()
-        if found is None:
-            return None
-        return Repair(tuple(edit.kind for edit in found), changes_text(found, question.robot), found[-1].formula)
+        if found := search.changes():
+            return Repair(tuple(edit.kind for edit in found), slips.changes_text(found, robot), found[-1].formula)
+        break
     return None
 
 
@@ -135,26 +117,20 @@ class _Search:
     """The search at one point; ArithmeticError, ValueError or KeyError where a formula has no value there."""
 
     def __init__(self, question: Question, values: Mapping[str, float], known_names: Sequence[str]) -> None:
-        self.question = question
-        self.values = values
+        self.question, self.values, self.work = question, values, 0
         self.outer = question.compared(Name("(printed)")) if question.compared else None
         self.target = float_value(question.right, values)
         self._compared_value(float_value(question.printed, values))  # it must have a value there, too
-        self.work = 0
         angles = tuple(joint.variable for joint in question.robot.movers if joint.is_revolute)
         # a factor that is missing: any name, and the sines and cosines of both formulas and of single joints; a term
         # that is missing: one of the right formula, with either sign
         tokens = [node for node in (*nodes(question.printed), *nodes(question.right)) if is_token(node)]
         singles = [Call(f, (Name(angle),)) for angle in angles[:MAX_SINGLE_ANGLES] for f in ("cos", "sin")]
         whole = () if isinstance(question.right, Sum) else (question.right,)
-        of_right = islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)
-        terms = [*question.extra_terms, *of_right]
-        self.may = Replacements(
-            names=tuple(known_names),
-            angles=angles,
-            factors=tuple(dict.fromkeys([*tokens, *singles, *map(Name, known_names)])),
-            terms=tuple(dict.fromkeys([*terms, *map(negate, terms)])),
-        )
+        terms = [*question.extra_terms, *islice(chain(whole, _terms_inside(question.right)), MAX_LACKING_TERMS)]
+        factors = dict.fromkeys([*tokens, *singles, *map(Name, known_names)])
+        terms = [*dict.fromkeys([*terms, *map(negate, terms)])]
+        self.may = slips.Replacements(tuple(known_names), angles, tuple(factors), tuple(terms))
         self.known: dict[Expression, float] = {}  # values of nodes of which changed formulas are made
         for e in (*reversed([*nodes(question.printed)]), *self.may.factors, *self.may.terms):
             with suppress(*NO_VALUE):
@@ -162,9 +138,7 @@ class _Search:
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""
-        if self.outer is None:
-            return value
-        return float_value(self.outer, {**self.values, "(printed)": value})
+        return float_value(self.outer, {**self.values, "(printed)": value}) if self.outer else value
 
     def changes(self) -> tuple[Edit, ...] | None:
         """One change, of the first kind that has one; else two changes of one kind."""
@@ -173,17 +147,15 @@ class _Search:
             if found := self._least_right([(edit,) for edit in self._hits(places, kind)]):
                 return found
         for kind in PAIRED:
-            firsts = [edit for place in places for edit in edits(place, self.may, kind)]
+            firsts = [edit for place in places for edit in slips.edits(place, self.may, kind)]
             if len(firsts) ** 2 * (WORK_OF_EDIT + len(places)) > MAX_WORK:  # about as many second changes as first ones
                 continue
-            pairs: list[tuple[Edit, ...]] = [
-                (first, second) for first in firsts for second in self._hits(self._places(first.formula), kind)
-            ]
+            pairs = [(one, two) for one in firsts for two in self._hits(self._places(one.formula), kind)]
             if found := self._least_right(pairs):
                 return found
         return None
 
-    def _least_right(self, candidates: list[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
+    def _least_right(self, candidates: Sequence[tuple[Edit, ...]]) -> tuple[Edit, ...] | None:
         """The candidate that touches least, of those that are right."""
         # the fewest nodes replaced, then the nearest to the root; proofs are exact and slow, so that they come last
         sizes = [sum(1 for edit in made for _ in nodes(edit.old)) for made in candidates]
@@ -192,13 +164,13 @@ class _Search:
 
     def _places(self, formula: Expression) -> list[Spot]:
         with suppress(*NO_VALUE):
-            return list(spots(formula, self.values, self.known))
+            return list(slips.spots(formula, self.values, self.known))
         return []
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
         """The changes that give the right value at the point."""
         for place in places:
-            for edit in edits(place, self.may, kind):
+            for edit in slips.edits(place, self.may, kind):
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return

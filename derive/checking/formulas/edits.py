@@ -104,8 +104,7 @@ def spots(root: Expression, values: Mapping[str, float] | None = None, known: Kn
             parts = tree.children(spot.node)
             siblings = () if values is None else tuple(float_value(part, values, known) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
-            below = [Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)]
-            waiting.extend(reversed(below))
+            waiting += reversed([Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)])
 
 
 def is_token(e: Expression) -> bool:
@@ -224,8 +223,7 @@ def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expres
     present = {term.name for term in terms if isinstance(term, Name)}
     absent = [Name(name) for name in angles if name not in present]
     for i in range(len(terms)):
-        if rest := (*terms[:i], *terms[i + 1 :]):
-            yield tree.add(*rest)
+        yield from [tree.add(*terms[:i], *terms[i + 1 :])] if len(terms) > 1 else ()
         yield from (tree.add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
     yield from (tree.add(*terms, other) for other in absent)
     if len(angles) <= 8:  # c234 for c23: sums of neighbouring joints are what books abbreviate
@@ -240,8 +238,7 @@ def _stem(name: str) -> str:
 
 def ordinal(i: int) -> str:
     """``2nd`` for 2."""
-    plain = 10 < i % 100 < 14 or not 1 <= i % 10 <= 3
-    return f"{i}th" if plain else f"{i}{('st', 'nd', 'rd')[i % 10 - 1]}"
+    return f"{i}{'th' if 10 < i % 100 < 14 else {1: 'st', 2: 'nd', 3: 'rd'}.get(i % 10, 'th')}"
 
 
 def changes_text(made: Sequence[Edit], robot: Robot) -> str:

@@ -1,7 +1,4 @@
-"""Comparisons of printed formulas with derived ones, and the verdict on each: same form, equal, or wrong and why.
-
-Of a wrong formula it is found what it has too much or too little, term by term.
-"""
+"""Comparisons of printed formulas with derived ones, and the verdict on each: same form, equal, or wrong and why."""
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
@@ -28,8 +25,7 @@ from derive.robot.options.style import NAMED_STYLES
 from derive.robot.robot import Robot
 from derive.robot.units import are_units_clear, in_file_units, symbol_unit
 
-# Budget of the polynomial difference; beyond it none is shown, since nobody would find the slip in it.
-MAX_DIFFERENCE_TERMS = 20_000
+MAX_DIFFERENCE_TERMS = 20_000  # of a difference; beyond them none is shown, since nobody would find the slip in it
 ROUNDED = range(5, 18)  # significant digits of decimals that count as rounded; 9.81 and 0.4318 are meant as they stand
 ROUNDING_POINTS = 12  # points at which a difference must be as small as rounding explains
 _SLACK = 1.05  # more than what the squares of rounding errors add
@@ -64,12 +60,10 @@ class Finding:
     right: Expr  # the derived formula
     location: Location  # where it stands
     erratum: bool = False  # whether the file marks it as wrong
-    # What a search for the slip starts from; None where the formula is no single tree.
-    question: Question | None = None
+    question: Question | None = None  # what a search for the slip starts from; None where the formula is no single tree
     repair: Repair | None = None  # what repairs it, where that was found with the comparison
     remark: Remark = NO_REMARK  # what the file says about it
-    # The name that the robot does not know, where the formula has one: nothing can be decided.
-    unknown: CheckError | None = None
+    unknown: CheckError | None = None  # the name that the robot does not know: nothing can be decided
     same: bool = False  # whether it is known to have the form of the derived one
     some: bool = False  # whether it is right for some branches of a solution
     missing: tuple[str, ...] = ()  # names of the branches that are missing
@@ -116,19 +110,19 @@ def compared(
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
     several = (*ARCS, "sqrt") if role is Role.IDENTITY else ARCS
     if not verdict.equal and any(has_branches(side, several) for side in sides):
-        seen, numbers = branches(robot, *sides), dict(robot.parameters)
-        if not seen.alike and numbers:  # the page has numbers where the file has symbols
+        (points, alike), numbers = branches(robot, *sides), dict(robot.parameters)
+        if not alike and numbers:  # the page has numbers where the file has symbols
             one, other = (tree.substitute(side, numbers) for side in sides)
-            seen = branches(robot, one, other)
-        if only_points and not seen.points:
-            if branches(robot, question.right, question.right).points:
+            points, alike = branches(robot, one, other)
+        if only_points and not points:
+            if branches(robot, question.right, question.right)[0]:
                 note = ", with no real value at any of many random points"
                 return replace(plain, verdict=Verdict(equal=False, exact=False), note=note)
             found = "formula without a real value at any of many random points"
             raise CheckError(found, remedy="check its roots and denominators", location=where)
-        if seen.alike or only_points:
-            verdict = Verdict(seen.alike > 0, False, configurations=seen.alike if robot.passive else 0)
-            return replace(plain, verdict=verdict, some=seen.some)
+        if alike or only_points:  # equal at some of the points only: the other ones belong to other branches
+            verdict = Verdict(alike > 0, False, configurations=alike if robot.passive else 0)
+            return replace(plain, verdict=verdict, some=0 < alike < points)
     note, turned = "", question.printed if verdict.equal else in_degrees(question.printed)
     if turned != question.printed and verdict_at(where, robot, question.right, turned).equal:
         verdict, note = Verdict(equal=True, exact=True), ", with its angles in degrees"
@@ -139,7 +133,7 @@ def in_degrees(formula: Expression) -> Expression:
     """A formula in which whole numbers that are added to an angle, as in cos(180 - theta2), are degrees."""
     match formula:
         case Call("sin" | "cos" | "tan", (Sum(terms),)) if any(
-            isinstance(term, Number) and abs(term.value) >= 30 for term in terms
+            isinstance(x, Number) and abs(x.value) >= 30 for x in terms
         ):
             turn = (Number(Fraction(1, 180)), Pi())
             turned = (tree.multiply(term, *turn) if isinstance(term, Number) else term for term in terms)
@@ -270,9 +264,7 @@ def judge(finding: Finding) -> Judgement:
     if finding.verdict.equal:
         same = finding.same or (question is not None and same_form(question.printed, question.right))
         return Judgement(Outcome.SAME_FORM if same else Outcome.EQUAL)
-    if question is None:
-        return Judgement(Outcome.WRONG, repair=finding.repair)
-    return _reasons(question)
+    return Judgement(Outcome.WRONG, repair=finding.repair) if question is None else _reasons(question)
 
 
 @lru_cache(maxsize=10_000)  # a finding that is told in another way asks the same question

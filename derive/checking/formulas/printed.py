@@ -107,8 +107,7 @@ class Asked:
 
     location: Location  # where it stands
     task: Task | None = None  # the rows of its task; None where the names that it uses say it
-    # Whether the first argument of its atan2 is the cosine; None where the text decides.
-    cosine_first: bool | None = None
+    cosine_first: bool | None = None  # whether its atan2 takes the cosine first; None where the text decides
 
 
 @dataclass(frozen=True, slots=True)

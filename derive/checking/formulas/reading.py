@@ -55,15 +55,13 @@ def required_text(node: YamlMapping, key: str) -> YamlScalar:
 
 def child(node: YamlMapping, name: str) -> Node | None:
     """The value of a key, or None."""
-    entry = node.entries.get(name)
-    return entry[1] if entry else None
+    return node.entries[name][1] if name in node.entries else None
 
 
 def pairs(node: YamlMapping, name: str, what: str) -> Iterator[tuple[YamlScalar, YamlScalar]]:
     """The keys and texts of a mapping inside another; none where the key is missing."""
     inner = child(node, name)
-    for key, value in mapping(inner, name).entries.values() if inner else ():
-        yield key, scalar(value, what)
+    yield from ((key, scalar(value, what)) for key, value in (mapping(inner, name).entries.values() if inner else ()))
 
 
 def rows(node: Node | None, what: str, row: str) -> list[list[Node]]:
@@ -73,11 +71,9 @@ def rows(node: Node | None, what: str, row: str) -> list[list[Node]]:
 
 def word(node: YamlMapping, name: str, allowed: Collection[str], default: str) -> str:
     """One of some words."""
-    value = child(node, name)
-    if value is None:
+    if (value := child(node, name)) is None:
         return default
-    found = scalar(value, name)
-    if found.text not in allowed:
+    if (found := scalar(value, name)).text not in allowed:
         raise _not_allowed(f"{name}: {quoted(found.text)}", found.text, allowed, found.location)
     return found.text
 
@@ -100,12 +96,8 @@ def status(item: YamlMapping) -> str:
 
 def remark(item: YamlMapping) -> Remark:
     """What a file says about one item."""
-    return Remark(
-        note=text_of(item, "note"),
-        kind=word(item, "kind", ("error", "convention", "notation"), "error"),
-        duplicate=flag(item, "duplicate"),
-        document=printed_in(item),
-    )
+    kind = word(item, "kind", ("error", "convention", "notation"), "error")
+    return Remark(text_of(item, "note"), kind, flag(item, "duplicate"), printed_in(item))
 
 
 def printed_in(node: YamlMapping) -> Citation:
@@ -130,10 +122,8 @@ def printed_text(scalar: YamlScalar, lines: Sequence[str]) -> PrintedText:
 class Abbreviations:
     """Further names of some formulas, beside the robot's own."""
 
-    # What they stand for; those of `unknown` stand for themselves.
-    names: Mapping[str, Expression] = field(default_factory=dict)
-    # Why nothing can be said about a formula with such a name: its definition has an unknown name.
-    unknown: Mapping[str, UnknownNameError] = field(default_factory=dict)
+    names: Mapping[str, Expression] = field(default_factory=dict)  # what they stand for; `unknown` ones for themselves
+    unknown: Mapping[str, UnknownNameError] = field(default_factory=dict)  # the unknown name in a definition
 
     def defining(self, name: str, definition: Printed) -> Abbreviations:
         """With one name more."""

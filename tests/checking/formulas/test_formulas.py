@@ -304,8 +304,8 @@ ROOT = Call("sqrt", (add(number(1), negate(power(COSINE, 2))),))
     ],
 )
 def test_an_angle_is_compared_for_every_choice_of_signs(printed: Call, all_of_them: bool, some: bool) -> None:
-    seen = branches(PLANAR, ANGLE, printed)
-    assert (0 < seen.alike == seen.points, seen.some) == (all_of_them, some)
+    points, alike = branches(PLANAR, ANGLE, printed)
+    assert (0 < alike == points, 0 < alike < points) == (all_of_them, some)
     assert has_branches(printed, ARCS)
 
 
@@ -314,6 +314,7 @@ def test_a_root_has_two_signs_only_where_that_is_asked() -> None:
     assert not has_branches(ROOT, ARCS)
     assert not has_branches(Call("atan2", (SINE, COSINE)), ONLY_AT_POINTS)
     assert has_branches(multiply(SIGN, ROOT), ONLY_AT_POINTS)
-    both = branches(PLANAR, SINE, multiply(SIGN, ROOT))
-    assert both.alike == both.points
-    assert branches(PLANAR, SINE, ROOT).some
+    points, alike = branches(PLANAR, SINE, multiply(SIGN, ROOT))
+    assert alike == points
+    points, alike = branches(PLANAR, SINE, ROOT)
+    assert 0 < alike < points
