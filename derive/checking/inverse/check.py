@@ -48,28 +48,23 @@ def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, .
     """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
     robot, signs = model.robot, plus_minus()
     require_chain(robot, "a check of inverse kinematics", solution.asked.location)
-    equations: list[list[Side]] = []
-    words: list[str] = []
+    equations, words = list[list[Side]](), list[str]()
     if not any(part.text.strip() for part in solution.parts):
         where = solution.asked.location
         raise CheckError("empty solution", remedy="write theta1 = ..., one quantity a line", location=where)
     read = partial(latex_equations, document=solution.document) if solution.latex else text_equations
-    for part in solution.parts:
-        try:
-            found, named = read(part.text, robot, part.location, signs)
-        except CheckError as error:
-            raise error if part.verbatim else error.moved(part.location) from None
-        equations += found
-        words += named
     refused: list[Skipped] | None = [] if solution.document else None
     try:
+        for part in solution.parts:
+            found, named = read(part.text, robot, part.location, signs)
+            equations += found
+            words += named
+        part = solution.parts[0]  # where errors of the whole stand
         printed, vocabulary = assembled(robot, equations, words, refused)
         check = _InverseCheck(model, printed, vocabulary, solution.asked)
-        findings = [*check.lines()]
-        findings += [] if check.is_wrong else [check.branches()]
+        findings = [*check.lines(), *([] if check.is_wrong else [check.branches()])]
     except CheckError as error:
-        first = solution.parts[0]
-        raise error if first.verbatim else error.moved(first.location) from None
+        raise error if part.verbatim else error.moved(part.location) from None
     erratum = solution.status == "erratum"
     said = (replace(f, erratum=erratum and not f.verdict.equal, remark=solution.remark) for f in findings)
     return tuple(said), tuple(refused or ())
@@ -185,10 +180,8 @@ class _InverseCheck:
 
     def _never_right(self, line: PrintedLine, formula: PrintedFormula) -> Finding | None:
         """The verdict on an alternative that is right nowhere, although another one is."""
-        if len(line.formulas) == 1:
-            return None
         alone = replace(line, formulas=(formula,))
-        if any(self._printed.hits(alone, place) for place in self._places):
+        if len(line.formulas) == 1 or any(self._printed.hits(alone, place) for place in self._places):
             return None
         self.is_wrong = True
         verdict = replace(WRONG, counter_example=self._example(alone, self._required))
@@ -240,7 +233,7 @@ class _InverseCheck:
     def _repaired(self, repair: InverseRepair, verdict: Verdict) -> Finding:
         robot, line = self._model.robot, repair.line
         text = shown(changes_text(repair.edits, robot))
-        whole = shown(notation_text(repair.expression, robot))
+        whole = shown(notation_text(repair.edits[-1].formula, robot))
         said = Repair(tuple(edit.kind for edit in repair.edits), text, Name(whole))
         right = (self._ours.text(line) if line.target is not None else "") or whole
         return self._finding(line.quantity, repair.formula, verdict, right=right, repair=said)
@@ -328,8 +321,7 @@ class _InverseCheck:
         rest = [joint.variable for joint in robot.joints if joint.variable not in (*found, *ours.given)]
         of = f" of {listed(found)}; no formula for {listed(rest)}" if rest else ""
         missing: tuple[str, ...] = ()
-        is_whole = all(map(self._printed.met, self._required))
-        if is_whole:
+        if is_whole := all(map(self._printed.met, self._required)):
             count = ours.count
             what = f"all {count} solutions" if count > 1 else "the one solution" if count else "all solutions"
             if not all(self._printed.met(place) for place in self._places if not place.required):

@@ -47,8 +47,7 @@ class PoseNames:
     entries: Mapping[str, tuple[int, int]]  # row and column, from 1, of each name
     wrist: Mapping[str, int]  # which coordinate, from 0, of the wrist's centre a name is
     angles: Mapping[str, Expression]  # names of the planar orientation
-    # Entries whose names differ from those by their indices only, which may have been meant.
-    relatives: Mapping[str, tuple[int, int]]
+    relatives: Mapping[str, tuple[int, int]]  # entries by names with other indices, which may have been meant
 
     @classmethod
     def of(cls, robot: Robot, words: Iterable[str], *, any_wrist: bool = False) -> PoseNames:
@@ -59,8 +58,7 @@ class PoseNames:
         letters = {found[1] for word in flat.values() if (found := _COLUMN.fullmatch(word))}
         o_is_position = "s" in letters or not letters.intersection("npaP")
         bob = "|p" if robot.n < 3 else ""  # x_p of a pendulum; of other arms p is any point
-        entries: dict[str, tuple[int, int]] = {}
-        wrist: dict[str, int] = {}
+        entries, wrist = dict[str, tuple[int, int]](), dict[str, int]()
         for word, short in flat.items():
             if found := re.fullmatch(r"[rR]([123])([123])|[tT]([123])([1234])", short):
                 row, column = [int(group) for group in found.groups() if group]

@@ -53,8 +53,7 @@ class PrintedLine:
     formulas: tuple[PrintedFormula, ...]  # what is printed for it; several where alternatives are given
     target: Expression | None = None  # what it is in the joint variables; None of a quantity that is only named
     name: str = ""  # its name in other lines, if it has one
-    # Whether it gives a joint of a second solution from those of the first, as in ``theta5' = -theta5``.
-    primed: bool = False
+    primed: bool = False  # whether it gives a joint of a second solution by the first one: ``theta5' = -theta5``
 
     @property
     def switch(self) -> str:
@@ -80,11 +79,9 @@ class PrintedInverse:
     ) -> None:
         # robot: whose solution it is; lines: its lines; sums: what names such as q23 stand for
         self.robot, self.lines, self.sums = robot, tuple(lines), sums
-        # the lines that only name quantities, by name
+        # the lines that only name quantities, those about joints, and those that give a second solution by the first
         self.named = {line.name: line for line in self.lines if line.target is None}
-        # the lines with a target, but those that are primed
         self.given = tuple(line for line in self.lines if line.target is not None and not line.primed)
-        # the lines that give a second solution from a first one
         self.primed = tuple(line for line in self.lines if line.primed)
         self.close = close  # difference below which values are the same; decimals of many digits count as rounded
         self._before: dict[PrintedLine, tuple[PrintedLine, ...]] = {}
@@ -160,8 +157,7 @@ class PrintedInverse:
     def choices(self, line: PrintedLine) -> dict[str, tuple[float, ...]]:
         """The plus-minus signs and alternatives that the value of a line depends on, with their values."""
         if line not in self._choices:
-            parts = (*self.named_before(line), line)
-            several = [part for part in parts if len(part.formulas) > 1]
+            several = [part for part in (*self.named_before(line), line) if len(part.formulas) > 1]
             switches = {part.switch: tuple(map(float, range(len(part.formulas)))) for part in several}
             self._choices[line] = {**dict.fromkeys(self._signs(line), (1.0, -1.0)), **switches}
         return self._choices[line]
@@ -219,11 +215,10 @@ class PrintedInverse:
 
     def coupled(self) -> Iterator[tuple[PrintedLine, ...]]:
         """The lines with targets in groups whose choices do not depend on each other."""
-        # lines are tied by a sign or an alternative that both depend on
-        pairs = combinations(self.given, 2)
+        pairs = combinations(self.given, 2)  # tied by a sign or an alternative that both depend on
         tied = [(a, b) for a, b in pairs if not self.choices(a).keys().isdisjoint(self.choices(b))]
-        for group in connected_components((self.given, tied)):
-            yield tuple(line for line in self.given if line in group)
+        groups = connected_components((self.given, tied))
+        yield from (tuple(line for line in self.given if line in group) for group in groups)
 
     def met(self, place: Place) -> bool:
         """Whether a configuration is given: some choice gives it in all lines at once."""
@@ -336,7 +331,6 @@ def _ordered(printed: PrintedInverse, free: Sequence[str]) -> tuple[Known, list[
 
 
 def _needs(printed: PrintedInverse, line: PrintedLine) -> Iterator[tuple[str, Vector]]:
-    for part in (*printed.named_before(line), line):
-        for formula in part.formulas:
-            own = {formula.first: ZERO} if formula.first else {}
-            yield from printed.needed(substitute(formula.expression, own))
+    for formula in (f for part in (*printed.named_before(line), line) for f in part.formulas):
+        own = {formula.first: ZERO} if formula.first else {}
+        yield from printed.needed(substitute(formula.expression, own))

@@ -64,8 +64,7 @@ class Vocabulary:
 
     robot: Robot  # whose solution it is
     pose: PoseNames  # the names of the pose
-    # What names stand for that the robot itself does not have.
-    meanings: dict[str, Expression] = field(default_factory=dict)
+    meanings: dict[str, Expression] = field(default_factory=dict)  # what names stand for that the robot does not have
     sums: dict[str, Expression] = field(default_factory=dict)  # names of sums of joint variables
     new: set[str] = field(default_factory=set)  # names that the solution gives itself
 
@@ -158,15 +157,13 @@ def assembled(
 
 def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLine]:
     first, *others = sides
-    joints = vocabulary.has_joints
+    joints, where = vocabulary.has_joints, first.formulas[0].location
     if others and first.primed:
         if not joints(first.expression):
-            where = first.formulas[0].location
             raise CheckError("prime of a name that is not a joint variable", remedy="remove it", location=where)
         yield replace(_about(vocabulary, first, others[0].formulas), primed=True)
         return
     if not others:
-        where = first.formulas[0].location
         raise CheckError("formula without a left side", remedy="write theta1 = ...", location=where)
     if first.word in vocabulary.new and not vocabulary.is_forward(first.word, others[0].expression):
         # D = ... defines a name; a further side with joint variables, D = ... = cos(theta2), is a line about them
@@ -174,8 +171,8 @@ def _lines(vocabulary: Vocabulary, sides: Sequence[Side]) -> Iterator[PrintedLin
         yield PrintedLine(first.word, value.formulas, name=first.word)
         for side in others:
             if side is not value and joints(side.expression):
-                about = PrintedFormula(first.expression, first.formulas[0].text, value.formulas[0].location)
-                yield _about(vocabulary, side, (about,))
+                same = replace(first.formulas[0], location=value.formulas[0].location)
+                yield _about(vocabulary, side, (same,))
         return
     # otherwise the side with joint variables is what the others give; the first one is taken where several have some
     target = first if joints(first.expression) else next((side for side in others if joints(side.expression)), None)
@@ -214,8 +211,7 @@ def _merge(lines: list[PrintedLine], line: PrintedLine, before: int) -> None:
 
 # Inverse functions of one argument by the names that they have.
 INVERSE = {"acos": "acos", "arccos": "acos", "asin": "asin", "arcsin": "asin", "atan": "atan", "arctan": "atan"}
-# How a two-argument arctangent is called whose order depends on the book: Atan2, A tan, ArcTan.
-COSINE_MAY_BE_FIRST = "Atan2"
+COSINE_MAY_BE_FIRST = "Atan2"  # an arctangent of two arguments whose order depends on the book: A tan, ArcTan
 MAX_LINES = 200  # lines of one solution
 WORD = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _TOKEN = re.compile(
@@ -235,8 +231,7 @@ def text_equations(text: str, robot: Robot, start: Location, signs: PlusMinus) -
     found: list[list[Side]] = []
     text = re.sub(r"#[^\n]*", lambda match: " " * len(match[0]), text)
     lines = _cut(text, 0, len(text), re.compile(r"[\n;]"), everywhere=True)
-    spans = [span for line in lines for span in _cut(text, *line, _NEXT) if text[slice(*span)].strip()]
-    for begin, end in spans:
+    for begin, end in (span for line in lines for span in _cut(text, *line, _NEXT) if text[slice(*span)].strip()):
         lead = _LEAD.match(text, begin, end)
         sides = _cut(text, lead.end() if lead else begin, end, re.compile("="))
         if len(sides) < 2 or any(not text[a:b].strip() for a, b in sides):
@@ -261,8 +256,7 @@ def _cut(text: str, begin: int, end: int, at: re.Pattern[str], everywhere: bool 
 
 def _side(text: str, span: tuple[int, int], robot: Robot, start: Location, signs: PlusMinus) -> Side:
     whole = text[slice(*span)].strip()
-    is_primed = len(whole) > 1 and whole[-1] in "'\u2032\u2019" and bool(WORD.fullmatch(whole[:-1]))
-    if is_primed:
+    if is_primed := len(whole) > 1 and whole[-1] in "'\u2032\u2019" and bool(WORD.fullmatch(whole[:-1])):
         whole = whole[:-1]
         span = span[0], span[0] + text[slice(*span)].index(whole) + len(whole)
     parts = []
@@ -350,10 +344,8 @@ def gives_joints(text: str, robot: Robot) -> bool:
 def printed_words(text: str) -> Iterator[str]:
     """Names on the line: ``p_{Wx}`` as pWx."""
     for match in _NAME.finditer(text):
-        head = match[1]
-        if braced := re.fullmatch(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}", head):
-            head = braced[1]
-        head = head.removeprefix("\\")
+        braced = re.fullmatch(r"\\[a-z]+\*?\s*\{\s*([A-Za-z]+)\s*\}", match[1])
+        head = braced[1] if braced else match[1].removeprefix("\\")
         sub = re.sub(r"\\[a-z]+(?=\s*\{)|[^A-Za-z0-9]", "", match[2])
         yield FLAT.get(head, head) + sub
         yield FLAT.get(head, head)
@@ -364,8 +356,7 @@ def printed_words(text: str) -> Iterator[str]:
 def _latex_side(piece: LatexPiece, text: str, robot: Robot, start: Location, signs: PlusMinus) -> Side:
     left = None if piece.matrices or _OR_MARK in piece.text else taken_apart(piece.text)
     plain = _PRIME.sub(lambda match: " " * len(match[0]), piece.text)
-    is_primed = plain != piece.text and taken_apart(plain) is not None
-    if is_primed:
+    if is_primed := plain != piece.text and taken_apart(plain) is not None:
         piece, left = replace(piece, text=plain), taken_apart(plain)
     word = left.flat if left is not None and left.is_plain and not left.arguments else ""
     # alternatives are the first column of cases, or what stands between the words or
@@ -376,8 +367,6 @@ def _latex_side(piece: LatexPiece, text: str, robot: Robot, start: Location, sig
         known = {name: meaning for name, meaning in meanings.items() if name not in own}
         return LatexReader(LatexNames(robot, known, signs=signs), text, start).formula(part)
 
-    parts = []
-    for part in of_cases or piece.split(_OR_MARK):
-        shown = " ".join(text[part.start : part.end].split())
-        parts.append(Alternative(shown, place(text, part.start, start), partial(formula, part)))
+    shown = ((part, " ".join(text[part.start : part.end].split())) for part in of_cases or piece.split(_OR_MARK))
+    parts = (Alternative(said, place(text, part.start, start), partial(formula, part)) for part, said in shown)
     return Side(tuple(parts), word, is_primed)

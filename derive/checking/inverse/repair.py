@@ -30,12 +30,7 @@ class InverseRepair:
 
     line: PrintedLine  # the line that is changed: the one that is wrong, or a quantity that it needs
     formula: PrintedFormula  # which of its formulas
-    edits: tuple[Edit, ...]  # the changes
-
-    @property
-    def expression(self) -> Expression:
-        """What the formula says then."""
-        return self.edits[-1].formula
+    edits: tuple[Edit, ...]  # the changes, of which the last one has the formula as it is then
 
 
 class Repairer:
@@ -51,19 +46,15 @@ class Repairer:
         tokens = [Call(f, (Name(angle),)) for angle in angles for f in ("cos", "sin")]
         lengths = [Name(name) for name in known if name not in angles]
         squares = [tree.power(length, 2) for length in lengths]
-        self._may = Replacements(
-            names=tuple(known),
-            angles=angles,
-            factors=(*tokens, *lengths, *(tree.power(length, -1) for length in lengths)),
-            terms=tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, tree.negate(x))),
-        )
+        factors = (*tokens, *lengths, *(tree.power(length, -1) for length in lengths))
+        terms = tuple(term for x in (*lengths, *squares, *map(Name, angles)) for term in (x, tree.negate(x)))
+        self._may = Replacements(tuple(known), angles, factors, terms)
 
     def first(self, kinds: Sequence[SlipKind], sites: Sequence[Site]) -> InverseRepair | None:
         """The first change, of the first kind that has one; then two changes of one kind."""
-        for kind in kinds:
-            for site in sites:
-                if repair := self._least(site, [(edit,) for edit in self._edits(site[1].expression, kind)]):
-                    return repair
+        for kind, site in product(kinds, sites):
+            if repair := self._least(site, [(edit,) for edit in self._edits(site[1].expression, kind)]):
+                return repair
         for kind, site in product((kind for kind in kinds if kind in PAIRED), sites):
             firsts = list(self._edits(site[1].expression, kind))
             if len(firsts) ** 2 <= MAX_PAIRS:
@@ -115,11 +106,11 @@ def _plus_minus(spot: Spot) -> Iterator[Edit]:
     node = spot.node
     if not isinstance(node, Number) and not any(name[0] == SIGN for name in tree.names(node)):
         yield Edit(SlipKind.PLUS_MINUS, spot, tree.multiply(MISSING, node), node, tree.multiply(MISSING, node))
-    if isinstance(node, Product):
-        for i, factor in enumerate(node.factors):
-            if isinstance(factor, Call) and factor.function == "sqrt":
-                new = tree.multiply(*node.factors[:i], tree.multiply(MISSING, factor), *node.factors[i + 1 :])
-                yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, tree.multiply(MISSING, factor))
+    factors = node.factors if isinstance(node, Product) else ()
+    for i, factor in enumerate(factors):
+        if isinstance(factor, Call) and factor.function == "sqrt":
+            new = tree.multiply(*factors[:i], tree.multiply(MISSING, factor), *factors[i + 1 :])
+            yield Edit(SlipKind.PLUS_MINUS, spot, new, factor, tree.multiply(MISSING, factor))
 
 
 def _atan2(spot: Spot) -> Iterator[Edit]:
