@@ -131,8 +131,7 @@ class _Check(SideReading):
         claims = [one for one in found if isinstance(one, Claim)]
         # a position that is printed rightly says which pose its names mean
         known = any(isinstance(one, Finding) and one.quantity in ("p", "T") and one.verdict.equal for one in found)
-        poses = self.scope.poses
-        if poses and not known:
+        if (poses := self.scope.poses) and not known:
             found = self._repositioned(found, poses)
         wrong = [one for one in found if isinstance(one, Finding) and one in self.loose and not one.verdict.equal]
         if {self.loose[one] for one in wrong} == {*AXES} and not self.loose.keys() - set(wrong):
@@ -150,19 +149,17 @@ class _Check(SideReading):
         for one in found:
             if isinstance(one, Finding):
                 yield from self._under_conditions(one)
-            elif (finding := next(judged)) is not None and self._may_count_from_carriage(finding):
+                continue
+            # beside a formula the value of the other side says nothing
+            is_lone = isinstance(one.first, Name) and not (names_of_pose(one.other) or one.is_open or one.is_branch)
+            if (finding := next(judged)) is not None and self._may_count_from_carriage(finding):
                 self.skipped.append(Skipped(one.where, f"{quoted(one.left)} may be seen from the carriage", one.right))
             elif finding is not None and (finding.verdict.equal or not one.is_condition(self.robot)):
                 yield from self._under_conditions(finding)
             elif finding is not None:
                 reason = f"{quoted(one.left)} = {quoted(one.right)} is a condition"
                 self.skipped.append(Skipped(one.where, reason, one.right))
-            # beside a formula the value of the other side says nothing
-            elif (
-                not (names_of_pose(one.other) or one.is_open or one.is_branch)
-                and isinstance(one.first, Name)
-                and (by_value := self._by_value(one.other, one.left, one.right, one.where))
-            ):
+            elif is_lone and (by_value := self._by_value(one.other, one.left, one.right, one.where)):
                 yield by_value
             elif not (one.is_open and poses and any(map(poses.is_point, one.pose_names))):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
@@ -318,11 +315,10 @@ class _Check(SideReading):
             rights = (self.meanings.right(t) for t in self.meanings.targets(left) if t.quantity.startswith(kinds))
             if (right := next(rights, None)) is None:
                 continue
+            table = Table(((Entry(meaning, text, side.start),),))
             if names_of_pose(meaning):
                 yield Claim(expression_from_sympy(right.value[0, 0]), meaning, right.quantity, text, where)
-                continue
-            (found,) = self._entries(right, Table(((Entry(meaning, text, side.start),),)), side.start)
-            if found.verdict.equal:
+            elif (found := next(self._entries(right, table, side.start))).verdict.equal:
                 yield found
             else:
                 self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")
@@ -385,7 +381,7 @@ class _Check(SideReading):
         sides, others, said = ([side for side in group if side not in chains] for group in (sides, others, said))
         for side in sides if len(sides) == 1 else others:
             if side.error is not None and side not in named:
-                yield from self._unread(side, named, side is sides[-1])
+                yield from self._unread(side, side.error, named, side is sides[-1])
         if not named and not self.asked and len(said) > 1:
             yield from self._identities(said, is_nameless=first in said)
             return
@@ -408,7 +404,6 @@ class _Check(SideReading):
         # another matrix beside one of the right shape says how that is made
         said = [side for side in said if not fitting or side in fitting or not isinstance(side.value, Table)]
         for side in moving if is_singular else said:
-            assert side.value is not None
             text, start = self._typed(side.piece), side.piece.start
             if self.document and side.value == ZERO and (zeros := self._constant_matrix(named, False)) is not None:
                 side = replace(side, value=zeros)
@@ -419,18 +414,15 @@ class _Check(SideReading):
                 if right and name.left is not None and not name.left.sub + name.left.sup + name.left.before:
                     continue
                 findings = self._at_home(table, tuple(self._compared(name, table, side.piece.start)))
-                right = all(finding.verdict.equal for finding in findings)
-                if not right:
+                if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)
                     if name.left is not None and name.left.head in _VECTORS and is_open:
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
                         raise self._refused(name.piece, what)
                 yield from findings
 
-    def _unread(self, side: Side, named: list[Side], is_last: bool) -> Iterator[Finding]:
+    def _unread(self, side: Side, error: CheckError, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""
-        error = side.error
-        assert error is not None
         if not is_last:
             self._skip(side.piece, error)
         elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):

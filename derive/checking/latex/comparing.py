@@ -4,6 +4,7 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from itertools import product
 
 from derive.checking.by_value import ByValue
 from derive.checking.formulas.branches import SIGN
@@ -66,6 +67,7 @@ class Comparing:
         self.joints = {joint.variable: joint for joint in self.robot.movers}
         self.rates = set(map(velocity_name, self.joints))
         self._accelerations = set(map(acceleration_name, self.joints))
+        self._moving = self.joints.keys() | self.rates | self._accelerations
         self.parameters = own_names(self.robot) - self.joints.keys()
 
     def _typed(self, side: LatexPiece) -> str:
@@ -258,8 +260,7 @@ class Comparing:
             (entry,) = table.rows[0]
             side = Side(LatexPiece(entry.text, entry.offset), value=entry.formula)
             identity = tuple(one for one in self._identities([name, side]) if isinstance(one, Finding))
-            # but an entry of C has velocities
-            has_rates = not self.rates.isdisjoint(names(entry.formula))
+            has_rates = not self.rates.isdisjoint(names(entry.formula))  # as an entry of C has
             is_token = name.left is not None and name.left.head in ("c", "s") and not has_rates
             chosen = identity if identity and (not chosen or is_token or identity[0].verdict.equal) else chosen
         if not chosen:
@@ -270,8 +271,7 @@ class Comparing:
 
     def _elsewhere(self, name: Side, table: Table) -> Finding | None:
         """That a vector or a coordinate is right, seen from another frame or origin."""
-        left = name.left
-        if left is None or re.match("[0-9](?:to|rightarrow)", left.sub):  # from a point that is named
+        if (left := name.left) is None or re.match("[0-9](?:to|rightarrow)", left.sub):  # from a point that is named
             return None
         is_vector = left.head in _AXES_UNSAID and table.shape != (1, 1)
         # a lone z beside a radius is one from another origin, not that of an earlier point in the base
@@ -392,11 +392,8 @@ class Comparing:
             yield from asked
             return
         all_meant = tuple(meant)
-        agreeing = [
-            right if same.value.shape != right.value.shape else same
-            for right in all_meant
-            if (same := next((other for other in asked if right.agrees(other)), None))
-        ]
+        pairs = [(right, next((other for other in asked if right.agrees(other)), None)) for right in all_meant]
+        agreeing = [right if same.value.shape != right.value.shape else same for right, same in pairs if same]
         if not agreeing and all_meant and name.left is not None and name.left.head not in ANY:
             text, means = self._typed(name.piece), all_meant[0]
             found = f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}"
@@ -404,29 +401,26 @@ class Comparing:
         yield from agreeing or asked
 
     def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
-        for i, row in enumerate(table.rows):
-            for j, entry in enumerate(row):
-                if entry.is_open:
-                    continue
-                place = right.rows[i], right.columns[j]
-                text = entry.text or notation_text(entry.formula, self.robot)
-                if entry.unknown is not None:
-                    yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown)
-                    continue
-                where = self.plain.location(entry.offset or offset)
-                derived = right.value[i, j]
-                others = other_orders(self.model, right.quantity)
-                question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
-                found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
-                if right.quantity == "manipulability" and found.question and not found.verdict.equal:
-                    # the root of a determinant, of which lengths are taken out as if they were positive
-                    squares = (tree.power(e, 2) for e in (found.question.printed, found.question.right))
-                    verdict = Verdict(compare(self.robot, *squares).equal, exact=True)
-                    found = replace(found, verdict=verdict, note=", up to a sign" if verdict.equal else "")
-                if right.quantity.startswith("potential") and found.question and not found.verdict.equal:
-                    # a potential energy counts from any height
-                    difference = tree.add(question.printed, negate(question.right))
-                    at_rest = substitute(difference, dict.fromkeys(self.joints, ZERO))
-                    if compare(self.robot, difference, at_rest).equal:
-                        found = replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
-                yield found
+        places = product(right.rows, right.columns)
+        for entry, place, derived in zip(table.entries, places, right.value, strict=True):
+            if entry.is_open:
+                continue
+            text = entry.text or notation_text(entry.formula, self.robot)
+            if entry.unknown is not None:
+                yield undecidable(right.quantity, place, Role.PRINTED, text, entry.unknown)
+                continue
+            where = self.plain.location(entry.offset or offset)
+            others = other_orders(self.model, right.quantity)
+            question = Question(self.robot, entry.formula, expression_from_sympy(derived), others=others)
+            found = compared(question, right.quantity, place, Role.PRINTED, text, derived, where)
+            if right.quantity == "manipulability" and found.question and not found.verdict.equal:
+                # the root of a determinant, of which lengths are taken out as if they were positive
+                squares = (tree.power(e, 2) for e in (found.question.printed, found.question.right))
+                verdict = Verdict(compare(self.robot, *squares).equal, exact=True)
+                found = replace(found, verdict=verdict, note=", up to a sign" if verdict.equal else "")
+            if right.quantity.startswith("potential") and found.question and not found.verdict.equal:
+                # a potential energy counts from any height
+                difference = tree.add(question.printed, negate(question.right))
+                if compare(self.robot, difference, substitute(difference, dict.fromkeys(self.joints, ZERO))).equal:
+                    found = replace(found, verdict=Verdict(equal=True, exact=True), note=", up to a constant")
+            yield found

@@ -48,19 +48,16 @@ class Condition:
 
 
 # Angles, in multiples of pi, of which a sine or a cosine has such a value.
-_HALF_TURNS = {
-    **{("sin", 0): ("0", "1"), ("sin", 1): ("1/2",), ("sin", -1): ("-1/2",)},
-    **{("cos", 0): ("1/2", "-1/2"), ("cos", 1): ("0",), ("cos", -1): ("1",)},
-}
+_HALF_TURNS = {("sin", 0): ("0", "1"), ("sin", 1): ("1/2",), ("sin", -1): ("-1/2",)}
+_HALF_TURNS |= {("cos", 0): ("1/2", "-1/2"), ("cos", 1): ("0",), ("cos", -1): ("1",)}
 
 
 def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
     """What fulfils an equation between names and numbers, of products, or of a sine or cosine; none of other ones."""
+    symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if tree.is_constant(e)]
     match sides:
         case [Name(name), formula] if not isinstance(formula, Name) and name not in tree.names(formula):
             return ({name: formula},)
-    symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if tree.is_constant(e)]
-    match sides:
         case [Call("sin" | "cos" as function, (Name(name),)), Number(value)] if value in (-1, 0, 1):
             return tuple({name: tree.multiply(tree.number(half), Pi())} for half in _HALF_TURNS[function, int(value)])
         case [Sum(terms), value] if tree.is_constant(value) and all(isinstance(term, Name) for term in terms):
@@ -71,8 +68,7 @@ def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
         return tuple(_of_products(*(side.factors if isinstance(side, Product) else (side,) for side in sides)))
     if len(symbols) + len(constants) < len(sides) or len(constants) > 1 or not symbols:
         return ()
-    kept = constants or symbols
-    return tuple({symbol.name: value for symbol in symbols if symbol != value} for value in kept)
+    return tuple({symbol.name: value for symbol in symbols if symbol != value} for value in constants or symbols)
 
 
 def _of_products(one: Sequence[Expression], other: Sequence[Expression]) -> Iterator[Values]:
@@ -92,8 +88,7 @@ def explaining(
         return None
     known = set(tree.names(question.printed))
     within = (c for c in conditions if c.line <= line <= c.line + (0 if c.is_of_side else REACH))
-    holding = [(c, c.is_near(begin, text)) for c in within]
-    for said, values, is_near in _combined(holding, known | around):
+    for said, values, is_near in _combined([(c, c.is_near(begin, text)) for c in within], known | around):
         is_replaced = values.keys().isdisjoint(known | around)
         if not is_replaced and finding.role is not Role.IDENTITY:
             continue
@@ -107,8 +102,7 @@ def explaining(
 
 def _combined(holding: Sequence[tuple[Condition, bool]], known: set[str]) -> Iterator[tuple[str, Values, bool]]:
     """Single conditions, and those together that stand close before a formula with known names."""
-    near = [condition for condition, is_near in holding if is_near]
-    if len(near) > 1:
+    if len(near := [condition for condition, is_near in holding if is_near]) > 1:
         together: dict[str, Expression] = {}
         for condition in near:
             together |= next((way for way in condition.ways if known.isdisjoint(way)), condition.ways[0])
@@ -132,14 +126,10 @@ def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tu
     moving = [f for f in entries if not (f.verdict.equal and f.right in (0, 1))]
     slipped = {matrix(f) for f in moving if not f.verdict.equal}
     strange = slipped if len(slipped) >= AMONG and slipped.issuperset(map(matrix, moving)) else frozenset()
-    doubted = [f for f in findings if matrix(f) in strange and not f.verdict.equal] + [
-        f
-        for f in far
-        if kinds[_kind(f)] < AMONG * far_kinds[_kind(f)]
-        and not (f.row and matrices[matrix(f)] >= far_matrices[matrix(f)])
-        and not (f.role is Role.IDENTITY and far_kinds[_kind(f)] == 1)
-        and matrix(f) not in strange
-    ]
+    rare = [f for f in far if kinds[_kind(f)] < AMONG * far_kinds[_kind(f)] and matrix(f) not in strange]
+    rare = [f for f in rare if not (f.row and matrices[matrix(f)] >= far_matrices[matrix(f)])]
+    doubted = [f for f in findings if matrix(f) in strange and not f.verdict.equal]
+    doubted += [f for f in rare if not (f.role is Role.IDENTITY and far_kinds[_kind(f)] == 1)]
     firsts = [next(group) for _, group in groupby(doubted, key=matrix)]
     reasons = (_SIDES_DIFFER if f.role is Role.IDENTITY else _FAR.format(f.entry) for f in firsts)
     told = tuple(Skipped(f.location, reason, f.text) for f, reason in zip(firsts, reasons, strict=True))
@@ -159,10 +149,8 @@ def _is_near(finding: Finding) -> bool:
     # the sides of an identity are those of the text
     near = [question.right] if finding.role is not Role.IDENTITY else []
     printed = _tokens(question.printed)
-    for other in map(_tokens, (*near, *([repair.formula] if repair else ()))):
-        if (printed & other).total() > NEAR * max(printed.total(), other.total()):
-            return True
-    return False
+    others = map(_tokens, (*near, *([repair.formula] if repair else ())))
+    return any((printed & other).total() > NEAR * max(printed.total(), other.total()) for other in others)
 
 
 def _tokens(e: Expression) -> Counter[Expression]:

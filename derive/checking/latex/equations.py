@@ -157,8 +157,7 @@ def _unbraced(text: str) -> str:
     """A display without the braces around an equation in it: ``{^0_1T = [...]} {^1_2T = [...]}``."""
     for match in re.finditer(r"(?<![A-Za-z\\_^{}])\{(?=\s*[\^_])|(?:^|(?<=\f))\s*\{", text):
         begin = match.end() - 1
-        end = closing_brace(text, begin)
-        if end < len(text) and RELATION.search(text, begin, end):
+        if (end := closing_brace(text, begin)) < len(text) and RELATION.search(text, begin, end):
             text = f"{text[:begin]} {text[begin + 1 : end]} {text[end + 1 :]}"
     return text
 
@@ -250,8 +249,7 @@ def _row_parts(text: str, row: tuple[int, int]) -> Iterator[tuple[int, int]]:
         if depth > 0:
             continue
         # a separator parts two equations if one is complete before it and another one begins behind it
-        here = cuts[-1][1] if cuts else begin
-        done, rest = _relations(text, here, first), _relations(text, stop, end)
+        done, rest = _relations(text, cuts[-1][1] if cuts else begin, first), _relations(text, stop, end)
         is_mark = text[first] in "\v,;"
         complete = bool(done) and bool(text[done[-1][1] : first].strip(" \v\n\r"))
         words = not is_mark and not re.match(r"\\q?quad|\\enspace", text[first:stop])

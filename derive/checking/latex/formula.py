@@ -23,9 +23,8 @@ from derive.robot.parser import place
 from derive.robot.reading.size_limits import FORMULA_LIMITS
 from derive.robot.robot import Robot
 
+# Of a formula multiplied out; an analytic Jacobian of a 7R arm has 300,000, and long formulas are compared at points.
 MAX_EXPANDED_TERMS = 1_000_000
-"""Terms of a formula when multiplied out, at most; an analytic Jacobian of a 7R arm has 300,000, and long formulas are
-compared at points."""
 
 MACROS = (
     *("cos", "sin", "tan", "sqrt", "frac", "tfrac", "dfrac", "left", "right", "dot", "ddot", "cdot", "times", "quad"),
@@ -153,8 +152,7 @@ class LatexReader:
 
     def _long_name(self, match: re.Match[str]) -> str:
         """One sign for a run of letters that is a name of the robot, as SymPy prints it: ``qd_{1}``, ``Ixx_{1}``."""
-        run = match["run"]
-        if run is None:
+        if (run := match["run"]) is None:
             return match[0]
         sub = re.sub(r"[^A-Za-z0-9]", "", match["sub"] or "")
         knows = self.names.knows
@@ -245,8 +243,7 @@ class LatexReader:
             shown = f"LaTeX prints only {script[0]!r} of {mark}{script} as a script"
             return self._refused(piece.offset + match.start(), shown, remedy=f"write {mark}{{{script}}}")
         if match := re.match(r"\\[A-Za-z]+|\\.", rest):
-            name = match[0][1:]
-            if name in MACROS:
+            if (name := match[0][1:]) in MACROS:
                 return self._refused(where, f"{match[0]} at a place where it has no meaning")
             if name in _MACRO_REMEDIES:
                 return self._refused(where, f"{match[0]} in a formula", remedy=_MACRO_REMEDIES[name])

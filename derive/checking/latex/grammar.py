@@ -74,7 +74,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         """What a rule makes of what its parts have become."""
         data = str(data)  # Lark's names of rules are tokens, which are compared slowly
         match data, children:
-            case "start", (value,):
+            case ("start", (value,)) | ("bracket", (_, value, _)):
                 return self._settled(value)
             case "exponent_group", (value,):
                 return self._tree(value)
@@ -84,8 +84,6 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
                 return _each(self._settled(value), tree.negate)
             case "plus_minus", (token, value):
                 return _each(self._settled(value), partial(tree.multiply, self._sign(token)))
-            case "bracket", (_, value, _):
-                return self._settled(value)
             case "sum", (first, *rest):
                 return self._sum(first, rest)
             case "product", _:
@@ -128,11 +126,9 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             case "absolute", (_, argument, _, *exponents):  # |x| is the root of x^2
                 absolute = Call("sqrt", (tree.power(self._tree(argument), 2),))
                 return self._power(absolute, exponents[0]) if exponents else absolute
-            case "call_power", (function, argument, exponent):
-                return self._power(self._call(function, argument), exponent)
-            case "power_call", (function, exponent, argument):
-                if isinstance(exponent, Number) and exponent.value < 0:
-                    return self._inverse_function(function, exponent, [argument])
+            case "power_call", (function, Number(value) as exponent, argument) if value < 0:
+                return self._inverse_function(function, exponent, [argument])
+            case ("call_power", (function, argument, exponent)) | ("power_call", (function, exponent, argument)):
                 return self._power(self._call(function, argument), exponent)
         return self._of_names(data, children)
 
@@ -229,8 +225,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             function, divide = "", False
         formulas = [factor for factor in factors if not isinstance(factor, Table)]
         scale = _bounded(tree.multiply(*formulas))
-        tables = [factor for factor in factors if isinstance(factor, Table)]
-        if not tables:
+        if not (tables := [factor for factor in factors if isinstance(factor, Table)]):
             return scale
         # formulas commute with the matrices, whose order stays; an entry without a factor keeps its text and place
         try:
@@ -284,8 +279,7 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
         offset = base.offset if isinstance(base, Symbol) else 0
         if not isinstance(exponent, Number) or exponent.value.denominator > 2:
             raise _refused(offset, "the exponent is not a whole number", remedy=r"write roots as \sqrt{}")
-        # a half exponent is a root: x^(3/2) = sqrt(x)^3
-        whole, value = self._tree(base), exponent.value
+        whole, value = self._tree(base), exponent.value  # a half one is a root: x^(3/2) = sqrt(x)^3
         if value == 0:
             raise _refused(offset, "exponent 0", remedy="write 1; a frame's index stands on the left side only")
         if value.denominator == 2:
@@ -297,14 +291,12 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
 
 
 # How books write them, in Italian ones too.
-_NAMES_OF_FUNCTIONS = {
-    "cos": "cos", "sen": "sin", "sin": "sin", "tan": "tan", "tg": "tan", "sgn": "sign", "sign": "sign",
-}  # fmt: skip
+_FUNCTIONS = {"cos": "cos", "sen": "sin", "sin": "sin", "tan": "tan", "tg": "tan", "sgn": "sign", "sign": "sign"}
 
 
 def _function(token: Token) -> str:
     """``cos`` for all the ways to write it."""
-    return next(function for name, function in _NAMES_OF_FUNCTIONS.items() if name in token.lower())
+    return next(function for name, function in _FUNCTIONS.items() if name in token.lower())
 
 
 def _each(value: Expression | Table, change: Any) -> Expression | Table:
@@ -343,10 +335,9 @@ def _bounded(e: Expression) -> Expression:
     """The tree itself; no folded number may outgrow a float."""
     first = e.factors[0] if isinstance(e, Product) else e
     if isinstance(first, Number):
-        bits = max(first.value.numerator.bit_length(), first.value.denominator.bit_length())
-        if bits > FORMULA_LIMITS.number_bits:
-            allowed = f"allowed: at most {FORMULA_LIMITS.number_bits} bits"
-            raise CheckError("number too large or too fine", allowed=allowed)
+        most = FORMULA_LIMITS.number_bits
+        if max(part.bit_length() for part in first.value.as_integer_ratio()) > most:
+            raise CheckError("number too large or too fine", allowed=f"allowed: at most {most} bits")
     return e
 
 
@@ -358,8 +349,7 @@ def _number(token: Token) -> Expression:
 
 def _flat(token: Token) -> str:
     """The letters of a name: the macro's own name, or what stands in its braces."""
-    text = str(token)
-    if text.startswith("{"):  # {\it a1}
+    if (text := str(token)).startswith("{"):  # {\it a1}
         return text[1:-1].split()[-1]
     if "{" in text:
         return "".join(text[text.index("{") + 1 : -1].replace("\\_", "_").split())

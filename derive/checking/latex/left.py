@@ -97,17 +97,12 @@ class Left:
     def is_vague(self) -> bool:
         """Whether it is a letter for anything, without indices that say what it is, or a point of some link."""
         is_angle = self.head in ("phi", "theta", "psi") and not self.sub
-        return (
-            self.is_point
-            or is_angle
-            or self.sub.lower() in ("elbow", "wrist")
-            or self.sup == "2D"
-            or (self.head in ("A", "K", "H", "X", "P", "E", "L", "W", "Y") and not self.sub + self.sup + self.before)
-            # velocities, energies of links, speeds, forces on a body
-            or self.head in ("v", "xi", "nu")
-            or self.flat in ("k", "u")
-            or (self.head in ("V", "v", "F", "f", "u", "h", "k") and len(self.sub) == 1 and self.sub.isdigit())
-        )
+        is_alone = self.head in {*"AKHXPELWY"} and not self.sub + self.sup + self.before
+        # velocities, energies of links, speeds, forces on a body
+        is_motion = self.head in ("v", "xi", "nu") or self.flat in ("k", "u")
+        is_motion = is_motion or (self.head in {*"VFfuhk"} and len(self.sub) == 1 and self.sub.isdigit())
+        is_place = self.is_point or self.sub.lower() in ("elbow", "wrist") or self.sup == "2D"
+        return is_place or is_angle or is_alone or is_motion
 
     @property
     def is_of_parameters(self) -> bool:
@@ -159,12 +154,11 @@ def taken_apart(text: str) -> Left | None:
     if digits := re.match(r"[0-9]+", rest):
         rest = "_{" + digits[0] + "}" + rest[digits.end() :]
     after, rest = _scripts(rest)
-    arguments = ""
+    arguments = factor = ""
     if (match := _ARGUMENTS.match(rest)) and not _OF_PRODUCT.search(match[0]):
         arguments, rest = match[0], rest[match.end() :]
         more, rest = _scripts(rest)
         after = {mark: after.get(mark, "") + more.get(mark, "") for mark in "_^'"}
-    factor = ""
     if match := re.fullmatch(r"\\(d{0,2})dot\{?(?:q|\\theta)\}?(?:\([^()]*\))?", rest):
         factor, rest = match[1] + "d", ""
     if rest:

@@ -78,8 +78,7 @@ class Table:
     @property
     def determinant(self) -> Entry:
         """Its determinant, expanded along the first row."""
-        size = self.shape[0]
-        if size != self.shape[1] or size > LARGEST_DETERMINANT:
+        if self.shape[0] != self.shape[1] or self.shape[0] > LARGEST_DETERMINANT:
             allowed = f"allowed: square matrices of up to {LARGEST_DETERMINANT} rows"
             raise CheckError(f"determinant of a matrix {_size(self)}", allowed=allowed)
         return _computed(_expanded(tuple(tuple(entry.formula for entry in row) for row in self.rows)), *self.entries)

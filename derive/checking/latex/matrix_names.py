@@ -109,8 +109,7 @@ class MatrixNames:
         """A turn as a matrix of four rows and of three; a shift as one of four."""
         arguments = listed(LatexPiece(match["arguments"] or "", offset))
         texts = [match["below"]] if match["below"] else [argument.text for argument in arguments]
-        axis = (match["axis"] or "").lower()
-        if not axis and len(texts) == 2:
+        if not (axis := (match["axis"] or "").lower()) and len(texts) == 2:
             axis, texts = re.sub(r"\\hat|[^A-Za-z]", "", texts[0]).lower(), texts[1:]
         if not texts or (axis not in AXES and (match["turn"] or len(texts) != len(AXES))):
             return []
@@ -121,8 +120,7 @@ class MatrixNames:
         if not match["turn"]:
             shift = values if axis not in AXES else [values[0] if name == axis else ZERO for name in AXES]
             return [_table([[*_unit_row(i)[:3], shift[i]] for i in range(3)] + [_unit_row(3)])]
-        # the two axes behind it turn: [c -s; s c]
-        k = AXES[axis] - 1
+        k = AXES[axis] - 1  # the two axes behind it turn: [c -s; s c]
         turn, i, j = [_unit_row(row)[:3] for row in range(3)], (k + 1) % 3, (k + 2) % 3
         turn[i][i] = turn[j][j] = Call("cos", (values[0],))
         turn[j][i], turn[i][j] = Call("sin", (values[0],)), negate(Call("sin", (values[0],)))
@@ -142,9 +140,8 @@ class MatrixNames:
     def _by_text(self, match: re.Match[str], _: int) -> list[Table]:
         """What the text itself says that a name is."""
         left = taken_apart(match[0])
-        if left is None or left.turned in (Turned.INVERTED, Turned.BOTH):
-            return []
-        if not replace(left, dots=0, turned=Turned.NOT).is_plain:
+        is_plain = left is not None and replace(left, dots=0, turned=Turned.NOT).is_plain
+        if left is None or not is_plain or left.turned in (Turned.INVERTED, Turned.BOTH):
             return []
         tables, by_time = self._defined.get(left.flat, []), lambda e: derivative(self._meanings.robot, e, "t")
         if left.dots:  # q = (30 deg, 45 deg) is where the arm stands

@@ -220,8 +220,7 @@ class Meanings:
             rest = [i for i in rest if i != rows[-1]]
         known = [i for i in rows if i is not None]
         left = iter(rest)
-        chosen = [next(left, None) if i is None else i for i in rows]
-        found = [i for i in chosen if i is not None]
+        found = [i for i in (next(left, None) if i is None else i for i in rows) if i is not None]
         if len(found) < len(rows) or (width < ours.cols and None in rows):
             return None
         ours_printed = zip(found, table.rows, strict=True)
@@ -269,10 +268,9 @@ class Meanings:
         while match := _OF_TIME.fullmatch(text):
             text, by = match["round"] or match["square"] or match["braced"] or match["bare"], ["t", *by]
         match = _PARTIAL.fullmatch(text)
-        left = taken_apart(match["above"]) if match else None
-        left = replace(left, arguments=left.arguments or "(q)") if left is not None and left.flat in "ku" else left
-        if match is None or left is None:
+        if match is None or (left := taken_apart(match["above"])) is None:
             return ()
+        left = replace(left, arguments=left.arguments or "(q)") if left.flat in "ku" else left
         if not match["label"]:
             by = ["qd" if match["rate"] else "q", *by]
         else:
@@ -305,8 +303,7 @@ class Meanings:
         if part.rows != part.cols or part.rows > LARGEST_INVERSE:
             raise QuantityError(f"inverse of {target.quantity}", allowed=f"allowed: up to {LARGEST_INVERSE} rows")
         # the inverse as adjugate over determinant, both reduced
-        determinant = written(self._model, part.det(method="berkowitz"))
-        if determinant == 0:
+        if (determinant := written(self._model, part.det(method="berkowitz"))) == 0:
             raise QuantityError(f"inverse of {target.quantity}, which is singular everywhere")
         return part.adjugate().applyfunc(lambda entry: written(self._model, entry) / determinant)
 

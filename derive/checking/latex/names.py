@@ -4,6 +4,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import count
 
 from derive.checking.formulas.branches import SIGN
@@ -19,12 +20,9 @@ _GREEK = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi omicron pi rho sigma sigma tau upsilon "
     "phi chi psi omega"
 )
-# Macros and signs that are another way to draw a letter.
-FLAT = {
-    **{chr(ord("\u03b1") + i): name for i, name in enumerate(_GREEK.split())},
-    **{"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"},
-}
-FLAT |= {name: name for name in _GREEK.split()}
+# Macros and signs that draw a letter, some in another way.
+FLAT = {sign: name for i, name in enumerate(_GREEK.split()) for sign in (chr(ord("\u03b1") + i), name)}
+FLAT |= {"ell": "l", "vartheta": "theta", "varphi": "phi", "varepsilon": "epsilon", "\u03d1": "theta", "\u03d5": "phi"}
 ENERGY = "\u2202"  # before the letter of an energy that is differentiated
 PRIME = "\u2032"  # of a name of the text's own; a plain one is a derivative
 _JOINT = re.compile(r"(theta|th|q|d)([0-9]+)")
@@ -65,7 +63,7 @@ class LatexNames:
         self.own = own_names(self.robot).union(self.abbreviations)
         self.words: dict[str, str] = {}
         self._derived: dict[str, Expression] = {}  # what stands for a derivative in a text
-        self._known: dict[tuple[str, int], Expression] = {}
+        self._known = cache(self._meaning)
 
     def sign(self, word: str) -> str:
         """One character that stands for a word in a text; the same for the same word."""
@@ -82,10 +80,7 @@ class LatexNames:
 
     def meaning(self, symbol: Symbol) -> Expression:
         """The expression that a printed name stands for."""
-        key = symbol.text, symbol.dots
-        if key not in self._known:
-            self._known[key] = self._meaning(symbol)
-        return self._known[key]
+        return self._known(symbol.text, symbol.dots)
 
     def knows(self, text: str) -> bool:
         """Whether a printed name without dots stands for something, and for one thing only."""
@@ -93,8 +88,7 @@ class LatexNames:
             return bool(self.meaning(Symbol(text, 0)))
         return False
 
-    def _meaning(self, symbol: Symbol) -> Expression:
-        text = symbol.text
+    def _meaning(self, text: str, dots: int) -> Expression:
         if text in self._derived:
             return self._derived[text]
         if _CHRISTOFFEL.fullmatch(text) and (entry := self.entry(text)):  # c_{1,23}; without the comma it is a cosine
@@ -105,10 +99,9 @@ class LatexNames:
         text = text if opposed else text.replace("+", "")
         if text == "pi":
             return Pi()
-        if symbol.dots:
-            return self._derivative(text, symbol.dots)
-        # the Greek angle in c_{\alpha_1}; only of letters that are never lengths
-        angle = text[1:]
+        if dots:
+            return self._derivative(text, dots)
+        angle = text[1:]  # the Greek one in c_{\alpha_1}; only of letters that are never lengths
         if text not in self.own and text[0].lower() in _ANGLE and _ANGLES.fullmatch(angle) and angle in self.own:
             return Call(_ANGLE[text[0].lower()], (self.abbreviations.get(angle, Name(angle)),))
         if opposed:

@@ -111,8 +111,7 @@ def display_piece(plain: str, begin: int, end: int, typed: str, start: Location)
     open_now = [root]
     for match in _STRUCTURE.finditer(plain, begin, end):
         if match["begin"]:
-            name = match["begin"]
-            if name not in EQUATION_ENVIRONMENTS and name not in _GRIDS:
+            if (name := match["begin"]) not in EQUATION_ENVIRONMENTS and name not in _GRIDS:
                 allowed = f"allowed: {listed((*MATRICES[:-1], *DISPLAYS))}"
                 raise refused(match.start(), f"environment {quoted(name)}", allowed)
             stop = match.end() if name in _WITH_COLUMNS or not match["columns"] else match.start("columns")
@@ -148,8 +147,7 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
             if child.name in _GRIDS and not _holds_equations(plain, child):
                 inner = _flattened(plain, child).split("\f")  # a row end behind the last row adds none
                 cells = [row.split("\v") for row in inner if row.text.strip("\v \n\r")]
-                # a column that is blank in all rows is a gap
-                columns = enumerate(zip(*cells, strict=False))
+                columns = enumerate(zip(*cells, strict=False))  # one that is blank in all rows is a gap
                 gaps = {j for j, column in columns if not any(cell.text.strip() for cell in column)}
                 rows = tuple(tuple(cell for j, cell in enumerate(row) if j not in gaps) for row in cells)
                 found.append((child.begin[0], PrintedMatrix(rows, child.name[0] in "vV", child.name.endswith("cases"))))
@@ -158,8 +156,7 @@ def _flattened(plain: str, environment: _Environment) -> LatexPiece:
                 signs += [(child.begin, " "), (child.end, " ")]
                 waiting.append((child, is_inner or environment.name in _GRIDS))
         for (first, last), sign in signs:
-            # a matrix stands where it begins, an entry begins behind what ends another
-            length = last - first
+            length = last - first  # a matrix stands where it begins, an entry begins behind what ends another
             letters[first - begin : last - begin] = (sign.ljust if sign == MATRIX_MARK else sign.rjust)(length)
     matrices = tuple(matrix for _, matrix in sorted(found, key=lambda pair: pair[0]))
     piece = LatexPiece("".join(letters), begin, matrices)

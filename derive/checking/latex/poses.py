@@ -1,7 +1,4 @@
-"""Names of a document for entries of a pose, ``x``, ``p_x``, ``r_{13}``: which pose they mean is settled for all of it.
-
-Afterwards the pose is chosen with which most equations hold, the end effector's or that of the wrist.
-"""
+"""Names for entries of a pose, ``x``, ``r_{13}``: in a whole document those of the pose that most equations need."""
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
@@ -122,14 +119,11 @@ class Poses:
         self._model, self._names = model, replace(found, entries={**found.entries, **own})
         self._has_accelerations = bool(re.search(r"\\ddot\s*\{?\s*[xyzXYZ]", text))
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
-        has_centres = bool(model.robot.links)
-        self._centres = {word for word, match in points.items() if (match[2] or match[5]) and has_centres}
+        self._centres = {word for word, match in points.items() if (match[2] or match[5]) and model.robot.links}
+        known = [(w, m) for w, m in points.items() if w in self._centres or not (m[2] or m[5])]
         # the axis of each, 3 for a speed, from 4 on for a coordinate of the velocity, and the link
-        axes = {
-            word: ("xyzv".index((match[1] or match[7]).lower()) + 4 * (match[4] == "v"), int(match[3] or match[6]))
-            for word, match in points.items()
-            if has_centres or not (match[2] or match[5])
-        }
+        places = ("xyzv".index((m[1] or m[7]).lower()) + 4 * (m[4] == "v") for _, m in known)
+        axes = {w: (axis, int(m[3] or m[6])) for (w, m), axis in zip(known, places, strict=True)}
         # row and column of each that the text has, and the poses that may be meant: seen from a frame, or its own
         self._labelled: dict[str, tuple[int, int, tuple[str, str]]] = {}
         self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
@@ -143,16 +137,13 @@ class Poses:
 
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
-        pose, (base, _, frame) = self._names, name.partition("^")
-        n = self._model.n
+        pose, (base, _, frame), n = self._names, name.partition("^"), self._model.n
         if self._letters and (own := re.fullmatch(f"({self._letters})([1-3])([1-3])", name)):
             self._labelled[name] = (int(own[2]), int(own[3]), (f"T[{max(n - WRIST, 0)},{n}]", "T"))
-            return Name(MARK + name)
-        if base in pose.entries and frame and int(frame) < n:
+        elif base in pose.entries and frame and int(frame) < n:
             self._labelled[name] = (*pose.entries[base], (f"T[{frame},{n}]", f"T[{frame}]"))
-            return Name(MARK + name)
-        known = name in pose.entries or name in pose.wrist or self.is_point(name) or MARK + name in self._angles
-        return Name(MARK + name) if known else None
+        known = any(name in each for each in (self._labelled, pose.entries, pose.wrist)) or self.is_point(name)
+        return Name(MARK + name) if known or MARK + name in self._angles else None
 
     def is_other(self, name: str, words: Iterable[str]) -> bool:
         """Whether a name is given by another name of the same coordinate, and so is one of the author's own."""
@@ -192,13 +183,11 @@ class Poses:
             if chosen.reference and group in (Settled.TURN, Settled.WRIST):  # before R_36 is spoken of, as usual
                 usual = [self._read(claim, self.readings[0]) for claim in own.values()]
                 verdicts = [u if _is_right(u) else f for u, f in zip(usual, verdicts, strict=True)]
-            right = sum(map(_is_right, verdicts))
-            if right and chosen is not readings[0]:
+            if (right := sum(map(_is_right, verdicts))) and chosen is not readings[0]:
                 told.append(f"{chosen.shown(group)} ({right} of {len(verdicts)} equations)")
             # what no reading explains is wrong only where others of its kind say which one is meant
             of_columns = all(map(_OF_COLUMN.fullmatch, (n for claim in own.values() for n in claim.pose_names)))
-            # of the usual pose it is enough that something else says so
-            is_place = group is Settled.PLACE and known
+            is_place = group is Settled.PLACE and known  # of the usual pose it is enough that something else says so
             is_turn = group is Settled.TURN and of_columns and (known or right)
             is_most = right >= CERTAIN and 2 * right >= len(verdicts)
             may_say = is_named and group is not Settled.LABEL
@@ -247,16 +236,11 @@ class Poses:
 
     def _group(self, claim: Claim) -> Settled:
         """What the names in a claim say: a point of a link, a rotation, or a position."""
-        known = claim.pose_names
-        if not known.isdisjoint(self._labelled):
-            return Settled.LABEL
-        if not known.isdisjoint(self._names.angles):  # or an angle that the text has defined itself
-            return Settled.ANGLE
-        if any(map(self.is_point, known)):
-            return Settled.POINT
-        if not known.isdisjoint(self._names.wrist):
-            return Settled.WRIST
-        return Settled.TURN if any(self._names.entries.get(name, (0, 4))[1] < 4 for name in known) else Settled.PLACE
+        known, pose = claim.pose_names, self._names
+        kinds: dict[Settled, Iterable[str]] = {Settled.LABEL: self._labelled, Settled.ANGLE: pose.angles}
+        kinds |= {Settled.POINT: filter(self.is_point, known), Settled.WRIST: pose.wrist}
+        kinds |= {Settled.TURN: (name for name, (_, column) in pose.entries.items() if column < 4)}
+        return next((group for group, own in kinds.items() if not known.isdisjoint(own)), Settled.PLACE)
 
     @cached_property
     def readings(self) -> tuple[PoseReading, ...]:

@@ -1,7 +1,4 @@
-"""Quantities that pages print and the registry does not have: motion, forces and energies of single links, rates.
-
-And those of the registry for angles of links that a text counts from one direction.
-"""
+"""Quantities that the registry lacks: motion, forces and energies of single links, rates, angles from one direction."""
 
 import re
 from contextlib import suppress
@@ -227,9 +224,8 @@ def _of_link(model: Model, kind: str, link: int) -> Matrix:
         rates = turn * sympy.Matrix(model.qd)
         omega = (sympy.Matrix(model.quantity("J"))[3:, :] * turn.inv())[:, :moving] * rates[:moving, :]
         return omega if kind == "omega" else slope(robot, omega, "t")
-    place = (model.quantity("T") if link > model.n else model.frame(link))[:3, 3]
-    if kind.endswith("_com"):
-        place = own_quantity(model, f"centre[{link}]")
+    frame = model.quantity("T") if link > model.n else model.frame(link)
+    place = own_quantity(model, f"centre[{link}]") if kind.endswith("_com") else frame[:3, 3]
     velocity = slope(robot, place, "t")
     if kind == "velocity":
         return velocity

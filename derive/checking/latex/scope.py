@@ -33,8 +33,7 @@ from derive.robot.names import own_names, robot_symbols, velocity_name
 MAX_EQUATIONS = 1_500  # equations of one text; a whole handout of a 6R arm has some 600
 MAX_SIDES = 20  # sides of one equation
 MAX_PASSES = 12  # how often definitions are gone through that need one that stands behind them
-# Letters that are a quantity's with an index, and just as often a short name for a part of a formula.
-_LENT = frozenset("uvwhkexyzfFQTKVUP")
+_LENT = frozenset("uvwhkexyzfFQTKVUP")  # letters of quantities, just as often short names for parts of formulas
 ANGLES = ("phi", "theta", "psi")  # orientation, or any angle of a figure
 
 _ARC = re.compile(
@@ -42,7 +41,6 @@ _ARC = re.compile(
 )
 _OF_ROTATION = re.compile(r"(?<![A-Za-z\\])(?:[rR]|[nsoa](?=\s*_\s*\{?[xyz]))\s*_")
 _OF_PLACE = re.compile(r"(?<![A-Za-z])(?:p\s*_\s*\{?\s*)?[xy](?![A-Za-z])")
-# A function of an angle, on a left side.
 _SQUARED = re.compile(r"(?P<name>\\?[A-Za-z]+(?:_(?:\{\w+\}|\w))?)\s*\^\s*(?:2|\{\s*2\s*\})")
 # An angular velocity of a link, squared in an energy; \omega_1 + \omega_2 are rates of joints.
 _TURNS = re.compile(r"(?s)(?!.*omega_\{?\d\}? ?\+ ?\\omega).*(?:omega_\{?[2-9]|theta\}?_\{c\s*[1-9]\s*)\}?\s*\^\s*\{?2")
@@ -142,9 +140,8 @@ class Scope:
 
     def defined(self) -> Iterator[whole.Defined]:
         """Names with the number of the equation that defines each, what it stands for, and the side that it is."""
-        for name, meanings in self.definitions.items():
-            for index, meaning in meanings:
-                yield name, index, meaning, next(s for s in self.equations[index] if (index, s.offset) in self.names)
+        for name, index, meaning in ((name, *pair) for name, pairs in self.definitions.items() for pair in pairs):
+            yield name, index, meaning, next(s for s in self.equations[index] if (index, s.offset) in self.names)
 
     @cached_property
     def _printed(self) -> list[tuple[list[Left], list[Table]]]:
@@ -257,8 +254,7 @@ class Scope:
             targets = [(target, table) for left, table in printed for target in self.meanings.targets(left)[:1]]
             votes.append(sum(right.likeness(table) for one, table in targets if (right := self.meanings.right(one))))
         self.meanings.torque = 0
-        best = max(range(3), key=votes.__getitem__)
-        if best:
+        if best := max(range(3), key=votes.__getitem__):
             index = f"the {('', 'second', 'third')[best]} index is that of the torque ({votes[best]:g} agree)"
             self.readings.append(f"of Christoffel symbols {index}")
         return best
@@ -326,8 +322,7 @@ class Scope:
         r"""What a name stands for: an angle in either half of the circle where a side is ``\cos\psi``."""
         if self.document and _SQUARED.fullmatch(side.text.strip()):
             return Call("sqrt", (meaning,))
-        match = whole.OF_ANGLE.fullmatch(side.text.strip())
-        if match is None or self._signs is None:
+        if (match := whole.OF_ANGLE.fullmatch(side.text.strip())) is None or self._signs is None:
             return meaning
         pair = self._circles.setdefault(name, {})
         pair[match["function"]] = meaning
@@ -362,8 +357,7 @@ class Scope:
             meanings |= self.torques
         meanings |= more or {}
         entry = partial(entry_or_rate, self.meanings, self.poses, meanings)
-        order, foreign = self._cosine_first, self._foreign
-        names = LatexNames(self.robot, meanings, entry, self._signs, cosine_first=order, foreign=foreign)
+        names = LatexNames(self.robot, meanings, entry, self._signs, self._cosine_first, self._foreign)
         return LatexReader(names, self.text, self.start)
 
     def _new_name(self, side: LatexPiece, index: int, is_first: bool) -> str:

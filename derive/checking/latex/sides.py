@@ -61,9 +61,8 @@ class SideReading(Comparing):
         # they lead from the one to the other frame of what is named
         if side.frames is not None and side.frames in frames:
             return replace(self._about(side.piece, frames[side.frames].quantity, Verdict(True, True)), same=True)
-        is_turned = side.frames is not None and side.frames[::-1] in frames
-        if is_turned and not any(name.left is None or name.left.scripts in self.scope.settled for name in named):
-            assert side.frames is not None  # of which nothing says the order
+        is_settled = any(name.left is None or name.left.scripts in self.scope.settled for name in named)
+        if side.frames is not None and side.frames[::-1] in frames and not is_settled:
             return replace(self._about(side.piece, between(*side.frames, self.robot), Verdict(True, True)), same=True)
         rights = [next(iter(self.scope.rights_read(left, self.meanings.reading)), None) for left in side.factors]
         wanted, shapes = next(self._meant(named[0]), None), {right.value.shape for right in rights if right is not None}
@@ -161,9 +160,8 @@ class SideReading(Comparing):
             if not isinstance(value, Table) or not any(entry.unknown for entry in value.entries):
                 return False
         if side.matrices:  # v_x is that of the end effector
-            return all(
-                (left := taken_apart(cell.text)) and (left.head == "Q" or left.sub not in AXES) for cell in side.cells
-            )
+            lefts = (taken_apart(cell.text) for cell in side.cells)
+            return all(left and (left.head == "Q" or left.sub not in AXES) for left in lefts)
         # beside a sum that cannot be read, the value of the other side says nothing
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
@@ -175,8 +173,7 @@ class SideReading(Comparing):
             try:
                 zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
             except UnknownNameError as error:
-                name = re.search("'(.+)'", error.found)
-                if name is None or name[1] in own:
+                if (name := re.search("'(.+)'", error.found)) is None or name[1] in own:
                     raise
                 own = own | {name[1]: Name(f"?{name[1]}")}
             else:
@@ -264,8 +261,7 @@ class SideReading(Comparing):
         if may_name and left is not None:
             # a coordinate of a point, or an entry of a rotation: which frame is meant is settled by all of them
             is_open = (left.is_point or left.labelled or re.fullmatch("[rR][1-3]{2}", left.flat)) and not left.dots
-            point = self._stands_for(left) if has_points and is_open else None
-            if point is not None:
+            if (point := self._stands_for(left) if has_points and is_open else None) is not None:
                 return Side(piece, left, (), point)
             is_screw = not has_points and any("screw" in target.quantity for target in targets)  # S_1 is a sine, too
             if targets and (is_screw or not self.scope.is_own(left)):
@@ -372,12 +368,10 @@ class SideReading(Comparing):
 
     def _said(self, side: Side, derived: bool) -> Side:
         """What a side says that names a quantity, too: its formula, or else what is derived for it."""
-        read = self.side(side.piece, False)
-        if read.value is not None or not derived:
+        if (read := self.side(side.piece, False)).value is not None or not derived:
             return read
         rights = (self.meanings.right(target) for target in side.targets)
-        value = next((right.value for right in rights if right is not None), None)
-        if value is None:
+        if (value := next((right.value for right in rights if right is not None), None)) is None:
             return read
         rows = (tuple(Entry(expression_from_sympy(entry)) for entry in row) for row in value.tolist())
         return Side(side.piece, value=Table(tuple(rows)))
@@ -403,10 +397,6 @@ class SideReading(Comparing):
         values = dict(zip(self.joints, cells, strict=True))
         self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
         return True
-
-    @property
-    def _moving(self) -> set[str]:
-        return self.joints.keys() | self.rates | self._accelerations
 
     def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
         """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""

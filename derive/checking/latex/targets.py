@@ -90,14 +90,11 @@ def _named(left: Left) -> Iterator[Target]:
         if len(name) > 2 and left.flat.casefold() == name.replace("_", "").casefold():
             yield Target(name)
     angles, euler = ("roll", "pitch", "yaw"), ("phi", "theta", "psi")
-    if left.head in angles and not left.sub:
-        yield Target("rpy", (angles.index(left.head) + 1,))
     if left.head in euler and not left.sub + left.sup + left.before:
         index = euler.index(left.head) + 1
-        yield Target("task", (3,))
-        yield from (Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
-    if left.head in euler and left.sub in angles:
-        yield Target("rpy", (angles.index(left.sub) + 1,))
+        yield from (Target("task", (3,)), Target("euler_zyz", (index,)), Target("rpy", (4 - index,)))
+    if (word := left.sub if left.head in euler else left.head if not left.sub else "") in angles:
+        yield Target("rpy", (angles.index(word) + 1,))
     if left.head == "phi" and left.sub in ("RPY", "rpy"):
         yield Target("rpy")
     if left.head == "phi" and left.sub.casefold() == "zyz":
@@ -112,11 +109,8 @@ _DYNAMIC = {
     **dict.fromkeys("nN", ("N", "bias")), "b": ("B", "bias"), "f": ("tau",), "m": ("B",), "d": ("B",), "v": ("Cqd",),
     "Y": ("regressor", "regressor_base"), "W": ("regressor",),
 }  # fmt: skip
-_ENERGIES = {
-    **dict.fromkeys(("T", "K", "KE", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic"),
-    "L": "lagrangian",
-    **dict.fromkeys(("U", "V", "P", "PE", "Ep", "EP", "Epot", "Upot", "Eg"), "potential"),
-}
+_ENERGIES = {"L": "lagrangian"} | dict.fromkeys(("T", "K", "KE", "Ek", "Ec", "EK", "Ekin", "Tkin"), "kinetic")
+_ENERGIES |= dict.fromkeys(("U", "V", "P", "PE", "Ep", "EP", "Epot", "Upot", "Eg"), "potential")
 
 
 def _dynamics(left: Left, n: int) -> Iterator[Target]:
@@ -226,8 +220,8 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield from _screws(left, n)
         return
     if left.dots:
-        if left.dots == 1 and not left.sub:
-            yield from (Target("J_dot", rows) for rows in ((), (1, 2), (1, 2, 3), (1, 2, 6)))
+        whole = ((), (1, 2), (1, 2, 3), (1, 2, 6)) if left.dots == 1 and not left.sub else ()
+        yield from (Target("J_dot", rows) for rows in whole)
         return
     sub, sup = re.sub("(?<=[A-Za-z]),", "", left.sub), left.sup or left.before  # J_{v,c_1}
     # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
@@ -241,8 +235,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
             yield Target(f"J{'v' if kind in _LINEAR else 'w'}_{where}[{number}]")
             return
     if left.primes:
-        if sub == "11":
-            yield Target("J_11_reduced")
+        yield from [Target("J_11_reduced")] if sub == "11" else ()
         return
     # the end effector's, seen from the base or from the end effector itself; whole, or the rows of its task
     frames = [sub] if sub in _END or sub in _BASE or sub == str(n) else []
@@ -256,12 +249,9 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         at = (f"J_at[{k}]" for k in (n - 2, n - 1))
         yield from (Target(name, rows) for name in at for rows in ((), (1, 2, 3)))
     if not sub or frames or sub in ("q", "theta"):
-        for name in names:
-            yield from (Target(name), Target(name, (1, 2)), Target(name, (1, 2, 3)), Target(name, (1, 2, 6)))
-    if sub in _LINEAR:
-        yield from (Target(name, rows) for name in names for rows in ((1, 2, 3), (1, 2), (1, 2, 6)))
-    if sub in _ANGULAR:
-        yield from (Target(name, rows) for name in names for rows in ((4, 5, 6), (6,)))
+        yield from (Target(name, rows) for name in names for rows in ((), (1, 2), (1, 2, 3), (1, 2, 6)))
+    parts = ((1, 2, 3), (1, 2), (1, 2, 6)) if sub in _LINEAR else ((4, 5, 6), (6,)) if sub in _ANGULAR else ()
+    yield from (Target(name, rows) for name in names for rows in parts)
     if sub in ("A", "a", "RPY", "rpy"):
         yield Target("J_rpy")
     if sub in ("A", "a", "ZYZ", "zyz", "E"):
@@ -274,11 +264,10 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
 
 
 def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
-    if (match := re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)) and int(match[2]) <= n:
-        rows = (1, 2, 3) if match[1] in _LINEAR else (4, 5, 6) if match[1] in _ANGULAR else ()
-        if rows:
-            yield Target("J", rows, (int(match[2]),))
-            yield Target(f"J{'v' if rows == (1, 2, 3) else 'w'}_com[{match[2]}]")
+    match = re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)
+    if match and int(match[2]) <= n and match[1] in (*_LINEAR, *_ANGULAR):
+        rows, kind = ((1, 2, 3), "v") if match[1] in _LINEAR else ((4, 5, 6), "w")
+        yield from (Target("J", rows, (int(match[2]),)), Target(f"J{kind}_com[{match[2]}]"))
     match = re.fullmatch(r"([A-Za-z]+)([1-3])([1-9])", sub)
     if match and int(match[3]) <= n and match[1] in (*_LINEAR, *_ANGULAR):
         yield Target("J", (int(match[2]) + 3 * (match[1] in _ANGULAR),), (int(match[3]),))
@@ -342,8 +331,7 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         if head == "r" and left.sub.isdigit() and left.sup + left.before in ("", "0"):
             yield from (Target(f"centre[{int(left.sub)}]", rows) for rows in ((), (1, 2)))
     if head in ("z", "Z") and (left.sub or left.before):
-        for name in _frames(left, n, first):
-            yield Target(name, (1, 2, 3), (3,))
+        yield from (Target(name, (1, 2, 3), (3,)) for name in _frames(left, n, first))
 
 
 def _seen_from(left: Left, n: int) -> Iterator[Target]:

@@ -118,22 +118,17 @@ _SIGNED_WORD = re.compile(
     r"\{\s*(?P<sign>\\pm|[-+])?\s*\\rm\s*(?P<middle>\\pm|[-+])?\s*a(?:rc)?(?P<function>cos|sin|tan)\s*\}"
 )
 _MATHEMATICAL = re.compile("[\U0001d400-\U0001d7ff]")  # italic, bold and script letters, as word processors have them
-_SAME = str.maketrans(
-    {
-        **dict.fromkeys("\u2212\u2010\u2011\u2013", "-"),
-        **dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7\u2217", "*"),
-        **dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " "),
-        **dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?"),  # signs of our own
-        **dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True)),
-        **{"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"},
-    }
-)
+_SAME = dict.fromkeys("\u2212\u2010\u2011\u2013", "-") | dict.fromkeys("\u00b7\u22c5\u2219\u2022\u00d7\u2217", "*")
+_SAME |= dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " ")
+_SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our own
+_SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
+_SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
 
 
 def cleaned(text: str, time: bool = True) -> str:
     r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
     text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
-    text = without_comments(text.translate(_SAME))
+    text = without_comments(text.translate(str.maketrans("".join(_SAME), "".join(_SAME.values()))))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)

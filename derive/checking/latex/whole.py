@@ -58,8 +58,7 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
-# A name, the number of the equation that defines it, what it stands for, and the side that it is.
-Defined = tuple[str, int, Expression, LatexPiece]
+Defined = tuple[str, int, Expression, LatexPiece]  # a name, its equation's number, what it stands for, its side
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
 
@@ -88,8 +87,7 @@ def base_letters(equations: Iterable[Sides]) -> frozenset[str]:
 def named_columns(equations: Iterable[Sides]) -> dict[str, int]:
     """Letters of the columns of a pose that a matrix of the text names, such as m, n, o and p."""
     for matrix in (matrix for equation in equations for side in equation for matrix in side.matrices):
-        rows = matrix.rows[:3]
-        if len(rows) < len(AXES) or {len(row) for row in rows} != {4}:
+        if len(rows := matrix.rows[:3]) < len(AXES) or {len(row) for row in rows} != {4}:
             continue
         cells = [(axis, taken_apart(cell.text)) for axis, row in zip(AXES, rows, strict=True) for cell in row]
         plain = [left.head if left and left.is_plain and left.sub == axis else "" for axis, left in cells]
@@ -129,10 +127,8 @@ def momenta(text: str, n: int) -> dict[str, int]:
 
 
 # Other ways to count frames, as `Meanings` has them, and what the report says of each.
-COUNTED = {
-    "counts_world": "frame 0 is read as the world, frame 1 as the base of the robot",
-    "counts_rows": "frames are counted by the rows of the table",
-}
+COUNTED = {"counts_world": "frame 0 is read as the world, frame 1 as the base of the robot"}
+COUNTED |= {"counts_rows": "frames are counted by the rows of the table"}
 
 
 def best(rights: Iterable[Right], table: Table) -> float:
@@ -239,8 +235,7 @@ def other_factorisation(model: Model, findings: tuple[Finding, ...]) -> tuple[Fi
     entries = {(f.row, f.column): f for f in findings if f.quantity == "C" and f.question is not None}
     places = range(1, model.n + 1)
     rows = [i for i in places if all((i, j) in entries for j in places)]
-    wrong = [i for i in rows if not all(entries[i, j].verdict.equal for j in places)]
-    if not wrong:
+    if not (wrong := [i for i in rows if not all(entries[i, j].verdict.equal for j in places)]):
         return findings
     rates = [Name(velocity_name(joint.variable)) for joint in model.robot.movers]
     velocity_torques, rate = model.quantity("Cqd"), model.quantity("Bdot")
@@ -313,8 +308,7 @@ def factors(text: str) -> tuple[Left, ...]:
     text = _BRACED.sub(lambda m: f" {m['seen']} " if m["seen"] else f"({m['plain']})", text)
     position, text = 0, text.strip()
     while match := _FACTOR.match(text, position):
-        left = taken_apart(re.sub(r"\{\s*\}", "", match[1]))
-        if left is None:
+        if (left := taken_apart(re.sub(r"\{\s*\}", "", match[1]))) is None:
             return ()
         found.append(left)
         position = match.end()
