@@ -58,8 +58,7 @@ class ByValue:
     """The values of the quantities of a robot at random points, and what has the same ones."""
 
     def __init__(self, model: Model, poses: Poses | None) -> None:
-        self._model, self._robot = model, model.robot
-        self._poses = poses
+        self._model, self._robot, self._poses = model, model.robot, poses
         self._joints = {joint.variable for joint in self._robot.joints}
         self._at = [_RandomValues(point, self._joints) for point in range(_POINTS)]
         self._rates = set(map(velocity_name, self._joints))
@@ -161,8 +160,7 @@ class ByValue:
             starts = [("", 0, np.zeros((_POINTS, 3, 1))), *starts]
         else:
             seen_from[0] = ("0,", "", frames[0])
-        has_centres = is_dynamic or n <= MOST_ACCELERATED
-        for k, body in enumerate(robot.links if has_centres else (), 1):
+        for k, body in enumerate(robot.links if is_dynamic or n <= MOST_ACCELERATED else (), 1):
             com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
             points = [*points, (f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:])]
         turn = np.array(turning(self._model), dtype=float)

@@ -32,16 +32,15 @@ def check_file(file: CorpusFile) -> FileReport:
     for item in file.expected:
         with placed(item.location):
             of_item = list(_quantity(model, item))
-        for found in of_item:
-            # the status of an item is that of what is printed, not of its corrections
-            erratum = item.status == "erratum" and found.role not in (Role.CORRECTION, Role.REST)
-            findings.append(replace(found, erratum=erratum, remark=item.remark))
+        # the status of an item is that of what is printed, not of its corrections
+        is_erratum, not_printed = item.status == "erratum", (Role.CORRECTION, Role.REST)
+        findings += (replace(f, erratum=is_erratum and f.role not in not_printed, remark=item.remark) for f in of_item)
     for identity in file.identities:
         left, right = identity.left, identity.right
-        question = Question(model.robot, right.formula, left.formula)
         if unknown := left.unknown or right.unknown:
             found = undecidable(left.text, (0, 0), Role.IDENTITY, right.text, unknown)
         else:
+            question = Question(model.robot, right.formula, left.formula)
             found = compared(question, left.text, (0, 0), Role.IDENTITY, right.text, left.text, right.location)
         findings.append(replace(found, erratum=identity.status == "erratum"))
     if file.factorisation is not None:
@@ -180,19 +179,17 @@ def _pose(model: Model, solution: Solution, used: set[str]) -> Mapping[str, Expr
     return {**found, "sgn": Call("sign", (signed,))}
 
 
-def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> list[LatexReport]:
+def divided(names: Sequence[str], reports: Sequence[LatexReport], sections: Sequence[int]) -> Iterator[LatexReport]:
     """Of the reports on one document, one for each robot, the parts about it; by the section of each equation."""
     rows = list(zip(*map(_by_equation, reports), strict=True))
     verdicts = [[[finding.verdict.equal for finding in part.findings] for part in row] for row in rows]
     right = [[robot for robot, equal in enumerate(row) if equal and all(equal)] for row in verdicts]
     sure = {index: robots[0] for index, robots in enumerate(right) if len(robots) == 1}
     said = [_said(names, row, right[index], _beside(index, sure, sections)) for index, row in enumerate(rows)]
-    found = []
     for index, report in enumerate(reports):
         own = [part for robot, part in said if robot == index]
         findings = tuple(finding for part in own for finding in part.findings)
-        found.append(replace(report, findings=findings, skipped=tuple(one for part in own for one in part.skipped)))
-    return found
+        yield replace(report, findings=findings, skipped=tuple(one for part in own for one in part.skipped))
 
 
 def _said(
@@ -218,14 +215,12 @@ def _said(
     return robot, row[robot]
 
 
-def _by_equation(report: LatexReport) -> list[LatexReport]:
+def _by_equation(report: LatexReport) -> Iterator[LatexReport]:
     begins = [(place.line, place.column) for place in report.equations]
-    parts = []
     for begin, end in pairwise([*begins, (10**9, 0)]):
         findings = tuple(f for f in report.findings if begin <= (f.location.line, f.location.column) < end)
         skipped = tuple(s for s in report.skipped if begin <= (s.location.line, s.location.column) < end)
-        parts.append(replace(report, findings=findings, skipped=skipped))
-    return parts
+        yield replace(report, findings=findings, skipped=skipped)
 
 
 def _beside(index: int, sure: Mapping[int, int], sections: Sequence[int]) -> list[int]:

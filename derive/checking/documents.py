@@ -1,7 +1,4 @@
-r"""Documents as people write them: LaTeX, Markdown, notebooks and plain text, brought into one form that is read.
-
-What is no mathematics becomes blank, and an author's own macros are written out; every character knows its place.
-"""
+"""Documents as people write them: LaTeX, Markdown, notebooks and plain text, brought into one form that is read."""
 
 from __future__ import annotations
 
@@ -16,10 +13,8 @@ from typing import Any
 from derive.checking.latex.typography import Spelled, blank, from_plain_text, spelled, without_comments
 from derive.errors import CheckError, Location, near_miss, quoted
 
-KINDS = {
-    ".tex": "LaTeX", ".md": "Markdown", ".rst": "reStructuredText", ".markdown": "Markdown", ".ipynb": "a notebook",
-    ".txt": "text",
-}  # fmt: skip
+KINDS = {".tex": "LaTeX", ".md": "Markdown", ".rst": "reStructuredText", ".markdown": "Markdown"}
+KINDS |= {".ipynb": "a notebook", ".txt": "text"}
 LARGEST = 10_000_000  # bytes of a document
 MAX_EXPANSIONS = 20_000  # calls of an author's macros that are written out in one document
 MAX_DEPTH = 20  # macros inside each other; what is deeper stays as it is, and its formula is not understood
@@ -108,7 +103,6 @@ def read_document(path: str) -> Manuscript:
     except OSError as error:
         reason = error.strerror or type(error).__name__
         raise CheckError(f"{quoted(path, 200)} cannot be read: {reason}", remedy="check its name") from None
-    suffix = Path(path).suffix.lower()
     if foreign := next((what for start, what in _FOREIGN.items() if data.startswith(start)), ""):
         allowed = f"derive check reads {', '.join(KINDS)}"
         raise CheckError(f"{name} is {foreign}", allowed=allowed, remedy="give its source")
@@ -118,7 +112,7 @@ def read_document(path: str) -> Manuscript:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError:
         raise CheckError(f"{name} is not UTF-8", remedy="save the file as UTF-8 text") from None
-    return document_of(text, name, suffix)
+    return document_of(text, name, Path(path).suffix.lower())
 
 
 def is_document(text: str) -> bool:
@@ -227,8 +221,7 @@ def _marked(text: str) -> str:
 
 def _balanced(text: str) -> str:
     """The text with blanks for dollar signs that open or close nothing: each costs one formula at most."""
-    marks, dropped = list(re.finditer(r"(?<!\\)\$\$?", text)), list[re.Match[str]]()
-    index = 0
+    marks, dropped, index = list(re.finditer(r"(?<!\\)\$\$?", text)), list[re.Match[str]](), 0
     while index < len(marks):
         mark = marks[index]
         # a display may have blank lines, but no paragraph of prose; mathematics inside a line ends with its paragraph
@@ -267,20 +260,17 @@ _DEFINITION = re.compile(
 
 def expanded(text: str) -> tuple[str, Sequence[int]]:
     """The text with the author's macros written out, and the offset from which each of its characters comes."""
-    macros: dict[str, Macro] = {}
-    letters = text
-    position = 0
-    while match := _DEFINITION.search(letters, position):
-        end = closing_brace(letters, match.end())
-        body = letters[match.end() + 1 : end]
+    macros, position = dict[str, Macro](), 0
+    while match := _DEFINITION.search(text, position):
+        end = closing_brace(text, match.end())
+        body = text[match.end() + 1 : end]
         name = match["operator"] or match["def"] or match["braced"] or match["bare"] or match["provided"]
         count = len(match["arguments"] or "") // 2 or int(match["count"] or match["number"] or 0)
         macros[name] = Macro(count, match["default"], f"\\operatorname{{{body}}}" if match["operator"] else body)
-        letters = letters[: match.start()] + blank(letters[match.start() : end + 1]) + letters[end + 1 :]
+        text = text[: match.start()] + blank(text[match.start() : end + 1]) + text[end + 1 :]
         position = end
-    if not macros:
-        return letters, range(len(letters))
-    return _Expansion(macros).written(letters, list(range(len(letters))))
+    origins = range(len(text))
+    return _Expansion(macros).written(text, list(origins)) if macros else (text, origins)
 
 
 class _Expansion:
@@ -297,7 +287,7 @@ class _Expansion:
             if name not in self._macros or begin < last:
                 continue  # inside an argument, which is written out with its macro
             macro, here = self._macros[name], origins[begin]
-            found = self._arguments(macro, text, origins, here, match.end())
+            found = self._arguments(macro, match, origins)
             if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
                 continue
             arguments, end = found
@@ -317,19 +307,16 @@ class _Expansion:
             last = end
         return "".join([*pieces, text[last:]]), [*places, *origins[last:]]
 
-    def _arguments(
-        self, macro: Macro, text: str, origins: list[int], here: int, end: int
-    ) -> tuple[list[Spelled], int] | None:
+    def _arguments(self, macro: Macro, call: re.Match[str], origins: list[int]) -> tuple[list[Spelled], int] | None:
         """The arguments of a call, and where it ends; None where they are not all there."""
-        found: list[Spelled] = []
+        text, end, found = call.string, call.end(), list[Spelled]()
         for index in range(macro.count):
             begin = end
             while text[begin : begin + 1].isspace():
                 begin += 1
             if index == 0 and macro.default is not None:
-                closing = text.find("]", begin) if text[begin : begin + 1] == "[" else -1
-                if closing < 0:
-                    found.append((macro.default, [here] * len(macro.default)))
+                if (closing := text.find("]", begin) if text[begin : begin + 1] == "[" else -1) < 0:
+                    found.append((macro.default, [origins[call.start()]] * len(macro.default)))
                     continue
                 inside = slice(begin + 1, closing)
                 end = closing + 1

@@ -1,8 +1,6 @@
 """What `derive check` understands, as it is reported: a file, a formula, or a document about one or several robots.
 
-Files are told apart by their keys. Corpus files have a block ``robot:`` and the list ``expected:`` of what some notes
-print about it. Every formula is read here, so that an error has its line and column; one with an unknown name is kept,
-for the others can be compared.
+Corpus files have a block ``robot:`` and the list ``expected:`` of what some notes print; every formula has its place.
 """
 
 import re
@@ -69,24 +67,19 @@ def corpus_from_bytes(data: bytes, source: str) -> printed.CorpusFile:
         remedy = "indent the robot under 'robot:' and add 'expected:'"
         raise CheckError(found, allowed=allowed, remedy=remedy, location=Location(source))
     root = reading.mapping(node, "the file", ("robot",), ("source", "notes", "ocr", "figure_configuration", *_BLOCKS))
-    expected = reading.items(reading.child(root, "expected"), "expected")
+    items = reading.items(reading.child(root, "expected"), "expected")
     identities = reading.items(reading.child(root, "identities"), "identities")
     product = reading.child(root, "factorisation")
     lines = data.decode("utf-8-sig").splitlines()
     solutions, inverse = read_block(reading.child(root, "inverse_kinematics"), robot, lines)
     equal = [reading.mapping(item, "an identity", ("left", "right"), ("status", *_REMARKS)) for item in identities]
     left, right = ([read_printed(required_text(item, side), robot) for item in equal] for side in ("left", "right"))
-    return printed.CorpusFile(
-        source=source,
-        robot=robot,
-        expected=tuple(_quantity(item, robot, lines) for item in expected),
-        identities=tuple(map(printed.Identity, left, right, map(reading.status, equal))),
-        factorisation=_factorisation(product) if product else None,
-        unread=tuple(name for name in UNREAD if name in root.entries),
-        solutions=tuple(solutions),
-        inverse=tuple(inverse),
-        document=reading.printed_in(root),
-    )
+    expected = tuple(_quantity(item, robot, lines) for item in items)
+    identical = tuple(map(printed.Identity, left, right, map(reading.status, equal)))
+    factorisation = _factorisation(product) if product else None
+    unread, cited = tuple(name for name in UNREAD if name in root.entries), reading.printed_in(root)
+    forward = printed.CorpusFile(source, robot, expected, identical, factorisation, unread, document=cited)
+    return replace(forward, solutions=tuple(solutions), inverse=tuple(inverse))
 
 
 def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> printed.PrintedQuantity:
@@ -109,19 +102,10 @@ def _quantity(node: Node, robot: Robot, lines: Sequence[str]) -> printed.Printed
             short = short.defining(key.text, read_printed(text, robot, short))
         rows = reading.rows(item.entries["abbreviated"][1], "abbreviated", "a row of 'abbreviated'")
         abbreviated = tuple(_matrix_entries(rows, robot, short))
-    return printed.PrintedQuantity(
-        quantity=name,
-        location=item.location,
-        entries=entries,
-        shape=shape,
-        abbreviated=abbreviated,
-        corrections=corrections,
-        rest_zero=reading.word(item, "rest", ("zero",), "") == "zero",
-        status=reading.status(item),
-        remark=reading.remark(item),
-        implied=reading.flag(item, "implied"),
-        latex=in_latex,
-    )
+    rest_zero = reading.word(item, "rest", ("zero",), "") == "zero"
+    plain = printed.PrintedQuantity(name, item.location, entries, shape, abbreviated, corrections, rest_zero)
+    status, said = reading.status(item), reading.remark(item)
+    return replace(plain, status=status, remark=said, implied=reading.flag(item, "implied"), latex=in_latex)
 
 
 def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[printed.Printed, ...], tuple[int, int] | None]:
@@ -139,15 +123,12 @@ def _content(item: YamlMapping, robot: Robot) -> tuple[tuple[printed.Printed, ..
     if not rows or not rows[0] or len({len(row) for row in rows}) > 1:
         remedy = 'write rows of equal length, a scalar as [["..."]]'
         raise CheckError("matrix whose rows differ in length or are empty", remedy=remedy, location=matrix.location)
-    return tuple(_matrix_entries(rows, robot)), (len(rows), len(rows[0]))
+    return tuple(_matrix_entries(rows, robot, NO_ABBREVIATIONS)), (len(rows), len(rows[0]))
 
 
-def _matrix_entries(
-    rows: list[list[Node]], robot: Robot, short: Abbreviations = NO_ABBREVIATIONS
-) -> Iterator[printed.Printed]:
-    for i, row in enumerate(rows, 1):
-        for j, cell in enumerate(row, 1):
-            yield read_printed(reading.scalar(cell, "an entry"), robot, short, (i, j))
+def _matrix_entries(rows: list[list[Node]], robot: Robot, short: Abbreviations) -> Iterator[printed.Printed]:
+    cells = ((i, j, reading.scalar(x, "an entry")) for i, row in enumerate(rows, 1) for j, x in enumerate(row, 1))
+    yield from (read_printed(cell, robot, short, (i, j)) for i, j, cell in cells)
 
 
 def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot: Robot) -> Iterator[printed.Printed]:
@@ -166,8 +147,7 @@ def _at_places(pairs: Iterable[tuple[YamlScalar, YamlScalar]], what: str, robot:
 
 def _factorisation(node: Node) -> printed.Factorisation:
     item = reading.mapping(node, "factorisation", ("of", "factors"), _REMARKS)
-    factors = reading.items(item.entries["factors"][1], "factors")
-    if not factors:
+    if not (factors := reading.items(item.entries["factors"][1], "factors")):
         raise CheckError("factorisation without factors", remedy="name two or more", location=item.location)
     names = tuple(reading.scalar(factor, "a factor").text for factor in factors)
     return printed.Factorisation(required_text(item, "of").text, names, item.location)
@@ -178,8 +158,7 @@ def read_block(
 ) -> tuple[list[printed.Solution], list[printed.InverseText]]:
     """The formulas and the solutions of the block, which may be a list of several."""
     blocks = node.items if isinstance(node, YamlSequence) else [node] if node is not None else []
-    formulas: list[printed.Solution] = []
-    texts: list[printed.InverseText] = []
+    formulas, texts = list[printed.Solution](), list[printed.InverseText]()
     for block in blocks:
         if isinstance(block, YamlMapping) and "formulas" in block.entries:
             formulas += _formulas(block, robot)
@@ -198,16 +177,12 @@ def _formulas(node: Node, robot: Robot) -> Iterator[printed.Solution]:
         value = read_printed(required_text(item, "value"), robot)
         found = read_printed(required_text(item, "printed"), robot, pose)
         correct = read_printed(required_text(item, "correct"), robot, pose) if "correct" in item.entries else None
-        yield printed.Solution(
-            unknown=required_text(item, "unknown").text,
-            value=value.formula,
-            # a formula about whose value nothing is known cannot be decided either
-            printed=replace(found, unknown=found.unknown or value.unknown),
-            is_angle=reading.flag(item, "angle"),
-            correction=replace(correct, unknown=correct.unknown or value.unknown) if correct else None,
-            status=reading.status(item),
-            remark=reading.remark(item),
-        )
+        # a formula about whose value nothing is known cannot be decided either
+        found = replace(found, unknown=found.unknown or value.unknown)
+        correct = correct and replace(correct, unknown=correct.unknown or value.unknown)
+        name, is_angle = required_text(item, "unknown").text, reading.flag(item, "angle")
+        status, said = reading.status(item), reading.remark(item)
+        yield printed.Solution(name, value.formula, found, is_angle, correct, status, said)
 
 
 def _solution(node: Node, lines: Sequence[str]) -> printed.InverseText:
@@ -225,8 +200,7 @@ def _solution(node: Node, lines: Sequence[str]) -> printed.InverseText:
 
 
 def _task(item: YamlMapping) -> Task | None:
-    node = reading.child(item, "task")
-    if node is None:
+    if (node := reading.child(item, "task")) is None:
         return None
     if isinstance(node, YamlSequence):
         words = [reading.scalar(word, "a row of the task").text for word in node.items]
@@ -278,10 +252,8 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
         raise refused
     sections = [document.section_at(place) for place in found[0][1].equations]
     parts = divided([robot.name for robot, _ in found], [report for _, report in found], sections)
-    return [
-        printout_of(_placed(part, document, robot, f"{document.name} ({robot.name})"), robot)
-        for (robot, _), part in zip(found, parts, strict=True)
-    ]
+    pairs = ((robot, part) for (robot, _), part in zip(found, parts, strict=True))
+    return [printout_of(_placed(part, document, r, f"{document.name} ({r.name})"), r) for r, part in pairs]
 
 
 def _compared(
@@ -337,7 +309,6 @@ def formula_lines(reported: Printout) -> list[str]:
     lines += all_lines(reported)
     lines += [f"{place}: not compared: {reason}" for place, reason in (note.split(": ", 1) for note in report.unread)]
     if len(report.findings) > 1 or report.unread:
-        counts = summary(replace(report, unread=()))
-        counts += f"; {len(report.unread)} not compared" if report.unread else ""
-        lines.append(f"{report.source}: {counts}")
+        more = f"; {len(report.unread)} not compared" if report.unread else ""
+        lines.append(f"{report.source}: {summary(replace(report, unread=()))}{more}")
     return lines

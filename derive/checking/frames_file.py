@@ -101,8 +101,7 @@ def _item(node: Node, known: dict[str, Matrix]) -> Iterator[Finding]:
     right = product.subs(at) if at else product
     corrections: dict[tuple[int, int], YamlScalar] = {}
     for key, text in reading.pairs(item, "correct", "a correction"):
-        match = re.fullmatch(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*", key.text)
-        if match is None:
+        if (match := re.fullmatch(r"\s*([0-9]{1,3})\s*,\s*([0-9]{1,3})\s*", key.text)) is None:
             raise CheckError(f"place {quoted(key.text)}", allowed="allowed: row,column", location=key.location)
         corrections[int(match[1]), int(match[2])] = text
     yield from _compared(item, name, reading.child(item, "matrix"), right, corrections)

@@ -41,27 +41,20 @@ SETS: Mapping[str, Callable[..., PrintedRecursion[float]]] = {
     "newton_euler_link": partial(printed_newton_euler, base=False),
 }
 RESULTS = ("w", "wd", "vd", "a", "F", "N", "f", "n", "tau")  # what an equation may compute
-# Joint types and seed of each arm: both kinds of joint as first, inner and last one.
-ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))
+ARMS = (("rpr", 1), ("rrp", 2), ("prrpr", 3))  # joints, both kinds as first, inner and last one, and seed
 UNREAD = ("initial_conditions", "textual", "lagrange")
 _EQUATION = ("correct", "kind", "note", "variants", "implied", "duplicate")
 _LOOP = ("id", "printed_stop", "correct_stop")
-# Absolute: far above the rounding of the recursion on these arms, far below what a wrong equation misses.
-_TOLERANCE = 1e-10
+_TOLERANCE = 1e-10  # absolute: far above the rounding of the recursion here, far below what a wrong equation misses
 
-# One link in motion: its joint, revolute or prismatic, and what each name stands for, numbers, (3,) or (3, 3).
-LinkCase = tuple[str, Mapping[str, Array]]
+LinkCase = tuple[str, Mapping[str, Array]]  # the joint of a link; by name what it has there, a number, (3,) or (3, 3)
 
 
 def check_methods(root: YamlMapping, source: str) -> FileReport:
     """Compare every printed equation with what the recursion computes."""
     top = reading.mapping(root, "the file", (), ("source", "algorithm", *SETS, *UNREAD))
-    findings: list[Finding] = []
-    for name in SETS:
-        for node in reading.items(reading.child(top, name), name):
-            findings += _equation(name, node)
-    loop = reading.child(top, "algorithm")
-    if loop is not None:
+    findings = [f for name in SETS for x in reading.items(reading.child(top, name), name) for f in _equation(name, x)]
+    if (loop := reading.child(top, "algorithm")) is not None:
         block = reading.mapping(loop, "algorithm", (), ("steps", "errata"))
         # the backward recursion starts at joint n; it must go on to joint 1 for every joint to get its torque
         for node in reading.items(reading.child(block, "errata"), "errata"):

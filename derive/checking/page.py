@@ -35,10 +35,9 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
             Section(f"unread{ending}", f"{title}Not compared", _table(("reason", "places"), unread)),
             Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right)),
         )
-    counts = (summary(replace(printout.report, unread=())) for printout in printouts)
     document = Document(
         title=printouts[0].report.source.removesuffix(f" ({robots[0].name})"),
-        subtitle="; ".join(counts),
+        subtitle="; ".join(summary(replace(printout.report, unread=())) for printout in printouts),
         name=", ".join(robot.name for robot in robots),
         language="en",
         digest="",

@@ -1,7 +1,5 @@
 """Verdicts as lines of text, as plain data, and as a page on wrong formulas that a teacher can send to a colleague."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
@@ -19,6 +17,31 @@ Printer = Callable[[Any], str]  # writes a derived formula in the notation of th
 LONGEST = 400  # characters of a formula in a report; longer ones are cut
 LONGEST_ON_PAGE = 600  # characters of a formula on the page; longer ones are cut
 MAX_SHOWN_TERMS = 6  # terms of a difference that are shown; a longer one says little
+
+
+@dataclass(frozen=True)
+class Printout:
+    """One checked file."""
+
+    report: FileReport  # its comparisons
+    printer: Printer  # writes derived formulas in the notation of its robot, for people: numbers with few digits
+    exact: Printer  # writes them with all digits, for programs
+    is_rounded: Callable[[Any], bool]  # whether `printer` rounds a number of one
+    remarks: tuple[Remark, ...] = ()  # what its robot says and hardly means
+
+    def note(self, finding: Finding) -> str:
+        """What is said behind a derived formula where its numbers are rounded."""
+        rounded = not isinstance(finding.right, str) and self.is_rounded(finding.right)
+        return f" (numbers with {DIGITS} digits)" if rounded else ""
+
+
+@dataclass(frozen=True)
+class Item:
+    """Wrong entries of one printed item."""
+
+    findings: tuple[Finding, ...]
+    printout: Printout
+    document: Citation  # where they are printed
 
 
 def report_lines(printout: Printout) -> list[str]:
@@ -125,8 +148,7 @@ def finding_dict(finding: Finding, printer: Printer) -> dict[str, Any]:
         repair = verdict.repair
         kinds = [kind.value for kind in repair.kinds] if repair else []
         entry["change"] = repair and {"kinds": kinds, "text": repair.text, "formula": repaired_text(finding)}
-    example = finding.verdict.counter_example
-    if example is not None:
+    if (example := finding.verdict.counter_example) is not None:
         values = {name: float(value) for name, value in example.values}
         printed = None if isnan(example.printed) else example.printed
         entry["counter_example"] = {"values": values, "printed": printed, "right": example.right}
@@ -184,31 +206,6 @@ def cut(text: str, length: int = LONGEST) -> str:
     return text if len(text) <= length else f"{text[: length - 3]}..."
 
 
-@dataclass(frozen=True)
-class Printout:
-    """One checked file."""
-
-    report: FileReport  # its comparisons
-    printer: Printer  # writes derived formulas in the notation of its robot, for people: numbers with few digits
-    exact: Printer  # writes them with all digits, for programs
-    is_rounded: Callable[[Any], bool]  # whether `printer` rounds a number of one
-    remarks: tuple[Remark, ...] = ()  # what its robot says and hardly means
-
-    def note(self, finding: Finding) -> str:
-        """What is said behind a derived formula where its numbers are rounded."""
-        rounded = not isinstance(finding.right, str) and self.is_rounded(finding.right)
-        return f" (numbers with {DIGITS} digits)" if rounded else ""
-
-
-@dataclass(frozen=True)
-class Item:
-    """Wrong entries of one printed item."""
-
-    findings: tuple[Finding, ...]
-    printout: Printout
-    document: Citation  # where they are printed
-
-
 def errata_items(printouts: Sequence[Printout]) -> tuple[Item, ...]:
     """What is wrong, item by item, in the order of documents; what another file counts already is left out."""
     found = []
@@ -229,21 +226,16 @@ def errata_report(printouts: Sequence[Printout], titles: Mapping[str, str] | Non
     items = errata_items(printouts)
     errors = [item for item in items if item.findings[0].remark.kind != "convention"]
     conventions = [item for item in items if item.findings[0].remark.kind == "convention"]
-    lines = ["# Errata", ""]
-    lines += [head, ""] if head else []
+    lines = ["# Errata", "", *([head, ""] if head else [])]
     decided = [f for p in printouts for f in p.report.findings if f.unknown is None]
     total = sum(f.role is not Role.CORRECTION for f in decided)
     entries = sum(len(item.findings) for item in errors)
     found = sum(judge(item.findings[0]).repair is not None for item in errors)
     places = f"{len(errors)} {'place' if len(errors) == 1 else 'places'}"
     undecidable = [f for printout in printouts for f in printout.report.undecidable]
-    lines.append(
-        f"{total} formulas compared: {entries} wrong, at {places}; the smallest change that repairs the formula is "
-        f"named for {found} of them."
-    )
-    if undecidable:
-        lines[-1] += f" {len(undecidable)} more were skipped: they use names that the robot does not have."
-    lines.append("")
+    counts = f"{total} formulas compared: {entries} wrong, at {places}; the smallest change that repairs the formula is"
+    more = f" {len(undecidable)} more were skipped: they use names that the robot does not have." if undecidable else ""
+    lines += [f"{counts} named for {found} of them.{more}", ""]
     for title, group in groupby(errors, key=lambda item: item.document.title):
         lines += [f"## {_plain((titles or {}).get(title, title) or 'Formulas')}", ""]
         for item in group:

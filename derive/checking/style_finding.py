@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations, product
 
 from derive.algebra.angles import contracted_groups
@@ -149,10 +149,8 @@ class _StyledRobot:
     """A robot written in many styles; what does not depend on the style is derived once."""
 
     def __init__(self, robot: Robot) -> None:
-        self.robot = robot
-        self._models: dict[Style, Model] = {}
+        self.robot, self.model, self.form = robot, cache(self._model), cache(self._form)
         self._exact: dict[Contraction, Model] = {}
-        self._forms: dict[tuple[str, Style], object] = {}
 
     @cached_property
     def lengths(self) -> frozenset[str]:
@@ -163,17 +161,12 @@ class _StyledRobot:
         cells += [row[3] for matrix in (self.robot.base, self.robot.tool) for row in matrix]
         return frozenset(name for cell in cells for name in names(cell)) - angles
 
-    def model(self, style: Style) -> Model:
-        if style not in self._models:
-            exact = self._exact.get(style.contraction) or Model(self.robot, style)
-            self._models[style] = self._exact.setdefault(style.contraction, exact).with_style(style)
-        return self._models[style]
+    def _model(self, style: Style) -> Model:
+        exact = self._exact.get(style.contraction) or Model(self.robot, style)
+        return self._exact.setdefault(style.contraction, exact).with_style(style)
 
-    def form(self, quantity: str, style: Style) -> object:
-        key = (quantity, style)
-        if key not in self._forms:
-            self._forms[key] = form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
-        return self._forms[key]
+    def _form(self, quantity: str, style: Style) -> object:
+        return form_of(expression_from_sympy(scalar_quantity(self.model(style), quantity)))
 
 
 class _ExamplePart:
@@ -219,8 +212,7 @@ def _effective(style: Style, options: tuple[str, ...]) -> Style:
 
 
 def _parts(known: _StyledRobot, example: Example) -> Iterator[_ExamplePart]:
-    model = known.model(Style())
-    quantity, indices, entry = parse(model, example.quantity)
+    quantity, indices, entry = parse(known.model(Style()), example.quantity)
     # whether axes that are parallel but opposed could be contracted
     aligned, opposed = (contracted_groups(example.robot, which) for which in (Contraction.ALIGNED, Contraction.OPPOSED))
     contraction = ("contraction",) if opposed != aligned else ()

@@ -22,12 +22,11 @@ _HEADS = {
     "a": re.compile(r"[alr](?:i|j|k|n)?(?:-1)?|(?:link)?length"),
     "alpha": re.compile(r"alpha(?:i|j|k|n)?(?:-1)?|(?:link)?twist"),
 }
+_NUMBER = r"(?<![A-Za-z0-9_.])([0-9]+(?:\.[0-9]+)?)"
 _UNITS = re.compile(r"\(([^()]*)\)|\[([^\[\]]*)\]")
-_SIGNS = {
-    **{"\u03b8": "theta", "\u03d1": "theta", "\u03b1": "alpha", "\u03c0": "pi"},
-    **{"\u2212": "-", "\u2013": "-", "\u00b0": "^circ", "\u00b7": "*", "\u1d62": "i", "(i-1)": "i-1"},
-    **{chr(0x2080 + digit): str(digit) for digit in range(10)},
-}
+_SIGNS = {"\u03b8": "theta", "\u03d1": "theta", "\u03b1": "alpha", "\u03c0": "pi"}
+_SIGNS |= {"\u2212": "-", "\u2013": "-", "\u00b0": "^circ", "\u00b7": "*", "\u1d62": "i", "(i-1)": "i-1"}
+_SIGNS |= {chr(0x2080 + digit): str(digit) for digit in range(10)}
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,7 @@ class _Row:
 
 def robot_of_table(document: Manuscript, name: str) -> tuple[str, Location]:
     """The robot file of the one table in a document, and where the table begins."""
-    tables = list(_tables(document))
-    if len(tables) != 1:
+    if len(tables := list(_tables(document))) != 1:
         places = ", ".join(f"line {where.line}" for where, _, _ in tables)
         found = f"{len(tables)} Denavit-Hartenberg tables ({places})" if tables else "no Denavit-Hartenberg table"
         remedy = "choose one with --lines" if tables else "its head names theta, d, a and alpha"
@@ -150,18 +148,16 @@ def _plain(text: str) -> str:
 def _largest(cell: str) -> float:
     """The largest plain number of an angle; 0 of one with a unit or with pi."""
     text = _plain(cell)
-    numbers = re.findall(r"(?<![A-Za-z0-9_.])[0-9]+(?:\.[0-9]+)?", text)
-    return 0.0 if "pi" in text or "circ" in text else max(map(float, numbers), default=0.0)
+    return 0.0 if "pi" in text or "circ" in text else max(map(float, re.findall(_NUMBER, text)), default=0.0)
 
 
 def _in_units(text: str, kind: str, is_degrees: bool, unit: str) -> str:
     """A cell in radians and metres."""
-    numbers = r"(?<![A-Za-z0-9_.])([0-9]+(?:\.[0-9]+)?)"
     if kind in ("theta", "alpha"):
-        plain = re.sub(numbers + r"(?:\^?circ|deg)", _of_pi, text)
-        return re.sub(numbers, _of_pi, plain) if is_degrees and "pi" not in plain else plain
+        plain = re.sub(_NUMBER + r"(?:\^?circ|deg)", _of_pi, text)
+        return re.sub(_NUMBER, _of_pi, plain) if is_degrees and "pi" not in plain else plain
     scale = {"mm": Fraction(1, 1000), "cm": Fraction(1, 100)}.get(unit.strip())
-    return re.sub(numbers, lambda m: str(float(Fraction(m[1]) * scale)), text) if scale else text
+    return re.sub(_NUMBER, lambda m: str(float(Fraction(m[1]) * scale)), text) if scale else text
 
 
 def _of_pi(match: re.Match[str]) -> str:
