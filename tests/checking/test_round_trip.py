@@ -113,7 +113,7 @@ def caught(robot: str, text: str) -> bool | None:
 SWEPT = [pytest.param(*slip, marks=pytest.mark.sweep) for slip in slips(200, 9)]
 
 
-@pytest.mark.first(8)
+@pytest.mark.first(3)
 @pytest.mark.parametrize(("robot", "kind", "text"), [*slips(14, 5), *SWEPT])
 def test_every_slip_is_found_and_repaired(robot: str, kind: str, text: str) -> None:
     assert caught(robot, text) is not False, kind
@@ -129,6 +129,7 @@ LATEX_SLIPS = [
 ]
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize(("book", "old", "new", "said"), LATEX_SLIPS)
 def test_a_slip_in_latex_is_named(book: str, old: str, new: str, said: str) -> None:
     (item,) = (item for item in ITEMS if item["book"] == book)
@@ -148,6 +149,7 @@ OTHERS = (
 MARKS = [pytest.mark.sweep if k % 3 == 0 else pytest.mark.release for k in range(len(OTHERS))]
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize("form", ["text", "latex", "python"])
 @pytest.mark.parametrize(
     "robot", [*USUAL, *(pytest.param(name, marks=mark) for name, mark in zip(OTHERS, MARKS, strict=True))]
@@ -218,7 +220,7 @@ def test_fragments_of_the_handout_are_read_back(name: str) -> None:
             assert all(finding.verdict.equal for finding in report.findings), quantity
 
 
-@pytest.mark.first(9)
+@pytest.mark.first(4)
 @pytest.mark.parametrize("name", [name for name in chains() if catalogue()[name].n <= 7])
 def test_printed_latex_is_read_back(name: str) -> None:
     robot = Robot.load(name)

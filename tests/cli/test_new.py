@@ -36,6 +36,7 @@ def test_a_new_arm_of_six_joints_has_eight_postures_and_a_wrist_that_turns_every
     assert np.isfinite(InverseSolver.of(robot, solve(robot)).solve(pose).q).all(axis=-1).sum() == 8
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("model", catalogue_names())
 def test_a_copy_differs_in_its_name_alone(model: str) -> None:
     text = copied_robot_text("mine", model)

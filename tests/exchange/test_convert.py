@@ -52,6 +52,7 @@ def without_comments(text: str) -> str:
     return "\n".join(line for line in text.splitlines() if not line.startswith("#"))
 
 
+@pytest.mark.first(10)
 @pytest.mark.parametrize("name", chains())
 def test_there_and_back_is_the_same_file_for_every_built_in_robot(name: str) -> None:
     robot = Robot.load(name)

@@ -54,6 +54,7 @@ def room(text: str) -> float:
     return min(found)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_random_arm_is_taken_by_mujoco_and_accelerates_as_ours_or_the_remark_says_how_much_not(seed: int) -> None:
     robot = random_arm(seed, motors=seed % 2 == 1)

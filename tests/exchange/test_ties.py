@@ -99,7 +99,7 @@ def test_mujocos_inertia_and_gravity_along_its_equalities_are_ours(name: str, se
 @pytest.mark.parametrize(
     ("name", "seed"), [case for case in CASES if case.values[0] in LOOPS and case.id != "five-bar"]
 )
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 def test_a_loop_comes_back_from_mjcf_in_its_branch_with_the_joints_that_have_motors_as_variables(
     name: str, seed: int
 ) -> None:

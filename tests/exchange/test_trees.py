@@ -133,6 +133,7 @@ def floats(robot: Robot) -> bool:
     return robot.root is not None and robot.root.type is RootType.FLOATING
 
 
+@pytest.mark.first(3)
 @pytest.mark.parametrize("seed", SEEDS)
 @pytest.mark.parametrize("to", ["urdf", "mjcf"])
 def test_other_programs_move_an_exported_tree_as_we_do_and_it_comes_back(to: str, seed: int) -> None:
@@ -195,6 +196,7 @@ def imported(text: str, root: str = "", *ends: str) -> ImportedTree:
     return import_tree(read_urdf(text.encode(), "robot.urdf"), root, ends)
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("root", ["", "floating"])
 @pytest.mark.parametrize("name", ROBOTS)
 def test_an_imported_tree_moves_as_pinocchio_says(name: str, root: str) -> None:

@@ -59,7 +59,7 @@ CASES = cases()
 
 
 @pytest.mark.parametrize("robot", CASES, ids=lambda robot: robot.name)
-@pytest.mark.first(5)
+@pytest.mark.first(2)
 def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) -> None:
     unknowns = Unknowns(robot, ("viscous", "coulomb", "armature"))
     base, oracle = unknowns.base.parameters, Oracle.of(unknowns.wide, base=unknowns.base.parameters)

@@ -45,6 +45,7 @@ def random_text(rng: random.Random) -> str:
 FRICTION = "friction: {viscous: 1/4, coulomb: [1/3, 1/8]}"
 
 
+@pytest.mark.first(2)
 @pytest.mark.parametrize("seed", seeds(60, 6, 60))
 def test_closed_forms_agree_with_the_oracle(seed: int) -> None:
     n = Numbers(Robot.from_text(random_text(random.Random(seed))), seed)

@@ -140,6 +140,7 @@ def test_near_the_straight_arm_steps_are_damped_and_the_vanishing_factor_is_name
     assert np.abs(np.diff(found.q, axis=0)).max() < 1
 
 
+@pytest.mark.first(12)
 @pytest.mark.parametrize("start", [[0.0, 0.0], [0.5, 0.0], [0.5, np.pi], [0.3, 1.0], [0.3, 1e-8]])
 @pytest.mark.parametrize("share", [0.3, -0.3, 0.6, -0.9])
 @pytest.mark.parametrize("steps", [50, 400])

@@ -232,6 +232,7 @@ THUMB = "R 0 0 0 90; R 90 0 0.038 -90; R 0 0 0 90; R 0 0 0.032 0; R -90 0 0.0275
 UR5 = next(case for case in PUBLISHED if case.name == "ur5").robot()
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("robot", "draw", "seed", "most"),
     [

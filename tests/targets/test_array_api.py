@@ -23,6 +23,7 @@ def _double_precision() -> Iterator[None]:
         yield
 
 
+@pytest.mark.first(12)
 @pytest.mark.parametrize("library", [strict, jnp])
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.parametrize("batch", [(), (2, 3)])

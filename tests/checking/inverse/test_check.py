@@ -52,6 +52,7 @@ def test_all_branches_are_right_and_in_our_form() -> None:
     assert found[-1].text == "all 2 solutions"
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize(
     "text",
     [
@@ -89,6 +90,7 @@ def test_other_writings_are_equal_in_plain_text_and_as_books_set_them(text: str)
     assert found[-1].text == f"all 2 solutions{turned}"
 
 
+@pytest.mark.first(5)
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [

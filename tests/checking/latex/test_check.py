@@ -38,6 +38,7 @@ def model(name: str) -> Model:
     return Model(Robot.load(FILE if name == "textbook-2r" else name))
 
 
+@pytest.mark.first(60)
 @pytest.mark.parametrize("row", SNIPPETS, ids=label)
 def test_right_formulas_pass_and_wrong_ones_do_not(row: dict[str, Any]) -> None:
     findings = check_latex(model(row["robot"]), row["latex"], row.get("quantity", "")).findings

@@ -86,7 +86,7 @@ def test_lengths_are_named_where_they_are_not_zero() -> None:
     assert "a_{3}" not in _labels(drawn("scara-perugia"))
 
 
-@pytest.mark.first(6)
+@pytest.mark.first(2)
 @pytest.mark.slow
 @pytest.mark.parametrize("key", [*chains(), *range(20)])
 def test_every_robot_is_drawn_inside_its_canvas(key: str | int) -> None:

@@ -87,6 +87,7 @@ def named(symbol: Any, matrix: Array) -> dict[str, float]:
 # -- what is printed is true
 
 
+@pytest.mark.first(10)
 @EVERY
 @pytest.mark.parametrize("part", ["inertia", "coriolis", "gravity", "motion"])
 def test_entries_are_those_of_the_oracle(key: str | int, part: str) -> None:

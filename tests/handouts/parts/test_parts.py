@@ -64,6 +64,7 @@ def blocks(part: str, robot: str, derivation: Derivation) -> tuple[Block, ...]:
     return tuple(blocks_of(Section(part, part, tuple(PARTS[part](context)))))
 
 
+@pytest.mark.first(12)
 @pytest.mark.parametrize("robot", sampled(ROBOTS, ("planar-2r-perugia", "anthropomorphic-arm")))
 @pytest.mark.parametrize("part", PARTS)
 def test_steps_add_to_the_result_and_take_nothing_away(part: str, robot: str) -> None:

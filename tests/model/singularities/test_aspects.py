@@ -37,7 +37,7 @@ def orthogonal(d3: float, d4: float, r2: float) -> Robot:
 @pytest.mark.parametrize(
     ("name", "count"), [("planar-3r", 2), ("scara-perugia", 2), ("anthropomorphic-arm", 4), ("puma560-corke", 8)]
 )
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 def test_arms_of_textbooks_have_as_many_aspects_as_solutions_each_in_its_own(name: str, count: int) -> None:
     found = aspects(name)
     assert (found.count, found.inverse.count, found.shared, found.is_cuspidal) == (count, count, 0, False)
@@ -109,6 +109,7 @@ def test_a_crx_is_cuspidal() -> None:
     assert_is_a_path(robot, found, slice(0, 6))
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("name", "why"),
     [("thumb", "no single determinant"), ("kuka-lwr4", "more joints"), ("skeleton-root", "more joints")],

@@ -150,6 +150,7 @@ BENT = "R d: d1, alpha: pi/2 | R a: a2 | R a: a3"
 WRIST = "R alpha: -pi/2 | R alpha: pi/2 | R d: 0.1"
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     ("rows", "expected"),
     [
@@ -242,6 +243,7 @@ def _check(seed: int, places: int, starts: int) -> None:
     SingularArm(Robot.from_text(text), seed).check(places, starts)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("seed", [*range(3), *swept(*range(3, 8))])
 def test_random_arms_lose_rank_where_it_is_stated_and_nowhere_else(seed: int) -> None:
     _check(seed, places=500, starts=4)

@@ -95,6 +95,7 @@ def test_friction_is_in_the_torque_and_helps_to_brake() -> None:
         assert motion.duration == pytest.approx(np.sqrt(2 * 2 * (1 / 3 + 1 / 7)), rel=3e-3)
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize(
     "path", ["[a, b]", "[a, {to: b, via: pass}, {to: c, payload: 0.8}]", "[a, {to: c, payload: 0.5}, b]"]
 )

@@ -141,7 +141,7 @@ NOT_DOWN = r"the way to b comes to {} on branch 'shoulder left, elbow up', not '
         (LINE, "OTHER", "", r":10:\d+: points, unused, branch: found nothing; leave it out"),
     ],
 )
-@pytest.mark.first(3)
+@pytest.mark.first(1)
 def test_the_branch_of_a_point_on_a_way_is_kept_or_refused(path: str, point: str, branch: str, message: str) -> None:
     text = BRANCHES.replace(f"}}{point}", f"}}, branch: '{branch}'")
     for other in ("BRANCH", "PASSED", "OTHER"):

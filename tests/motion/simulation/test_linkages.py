@@ -18,6 +18,7 @@ FOUR_BAR = "robot: four-bar\npoints: {a: [1], b: [0.7]}\npath: [a, {to: b, time:
 COMPUTED = "control: {law: computed-torque, kp: 900, kd: 60}"
 
 
+@pytest.mark.first(1)
 @pytest.mark.parametrize("name", ["palletiser", "four-bar", "slider-crank"])
 @pytest.mark.parametrize(
     "law", ["control: {law: none}", *swept("control: {law: pd-gravity, kp: 9, kd: 0.2}", COMPUTED)]

@@ -96,6 +96,7 @@ def trace_of(seed: int) -> Trace:
     return Trace(Robot.from_text(random_robot(random.Random(seed), 1 + seed % 3).text), Effort.QUICK)
 
 
+@pytest.mark.first(25)
 @pytest.mark.parametrize("name", FORMULATIONS)
 @pytest.mark.parametrize("seed", range(6))
 def test_formulations_agree(name: str, seed: int) -> None:

@@ -187,6 +187,7 @@ SMALL = [robot for robot in catalogue().values() if robot.has_dynamics and robot
 RANDOM = [Robot.from_text(robot_text(random.Random(seed), 1 + seed % 3)) for seed in range(9)]
 
 
+@pytest.mark.first(6)
 @pytest.mark.parametrize("robot", SMALL + RANDOM, ids=lambda robot: robot.name)
 def test_closed_forms_give_the_torques(robot: Robot) -> None:
     model, rng = Model(robot), random.Random(1)
