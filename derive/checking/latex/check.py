@@ -152,7 +152,8 @@ class _Check(SideReading):
                 continue
             # beside a formula the value of the other side says nothing
             is_lone = isinstance(one.first, Name) and not (names_of_pose(one.other) or one.is_open or one.is_branch)
-            if (finding := next(judged)) is not None and self._may_count_from_carriage(finding):
+            is_point = poses is not None and any(map(poses.is_point, one.pose_names))
+            if (finding := next(judged)) is not None and is_point and self._may_count_from_carriage(finding):
                 self.skipped.append(Skipped(one.where, f"{quoted(one.left)} may be seen from the carriage", one.right))
             elif finding is not None and (finding.verdict.equal or not one.is_condition(self.robot)):
                 yield from self._under_conditions(finding)
@@ -167,7 +168,7 @@ class _Check(SideReading):
                 self.skipped.append(Skipped(one.where, reason, one.right))
 
     def _may_count_from_carriage(self, finding: Finding) -> bool:
-        """Whether a coordinate, or its rate, is right but for the variable of a first joint that slides."""
+        """Whether a point's coordinate, or its rate, is right but for the variable of a first joint that slides."""
         first, question = self.robot.movers[0], finding.question
         if first.is_revolute or finding.verdict.equal or question is None:
             return False

@@ -160,7 +160,8 @@ class MatrixNames:
         if left.is_plain and left.head in ("F", "f", "W") and not left.sub and self._meanings.forces:
             forces = [Name(force) if force in self._meanings.forces else ZERO for force in WRENCH]
             return [_table([[e] for e in part]) for part in (forces, forces[:3], forces[:2])]
-        if left.head == "I" and (body := _BODY.fullmatch(left.sub)) and not left.dots:  # of which J^T I J has the sum
+        if left.head == "I" and (body := _BODY.fullmatch(left.sub)) and not left.dots:
+            # in the axes of the link, or of the base
             seen = (f"tensor[{body[1]}]", f"tensor[{body[1]},0]")
             return [table for name in seen for table in self._of(Target(name, turned=left.turned))]
         # a name that stands for one formula is no matrix; a coordinate of some point may be an axis as well

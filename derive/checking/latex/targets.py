@@ -41,7 +41,8 @@ class Target:
 
 def names_end(left: Left) -> bool:
     """Whether a pose is that of the end effector by its name, such as ``{}^0_{ee}T``."""
-    return left.head in "TAH" and not {left.sub, left.before_sub}.isdisjoint(_END - {"n", "N", "t"})
+    letters = _END - {"n", "N", "t"}  # the last frame's number, and time
+    return left.head in "TAH" and not {left.sub, left.before_sub}.isdisjoint(letters)
 
 
 def candidates(

@@ -78,8 +78,8 @@ _REPEATED = re.compile(r"(?<![A-Za-z\\])([a-z])(?: \1){1,3}(?![A-Za-z])")  # m m
 _SUPER, _LOWER = r"\^\s*\{?[0-9]\}?\s*", r"_\s*\{?[0-9]\}?\s*"
 _ENTRY = re.compile(
     rf"(?:(?<![A-Za-z\\])R\s*(?:_\s*\{{(?P<pair>[0-9]{{2}})\}}\s*|{_LOWER}{_SUPER}|{_SUPER}{_LOWER})"
-    rf"|(?:\{{\s*\}}\s*|(?<![\w}})\]]))(?:{_LOWER}{_SUPER}|{_SUPER}{_LOWER})(?:R\s*|(?P<small>[rR]\s*_\s*)(?=\{{)))"
-    r"[(\[{]\s*(?P<row>[0-3])\s*(?(small),?|(?:,|\]\s*\[))\s*(?P<column>[0-3])\s*[)\]}]"
+    rf"|(?:\{{\s*\}}\s*|(?<![\w}})\]]))(?:{_LOWER}{_SUPER}|{_SUPER}{_LOWER})(?:R\s*|(?P<indexed>[rR]\s*_\s*)(?=\{{)))"
+    r"[(\[{]\s*(?P<row>[0-3])\s*(?(indexed),?|(?:,|\]\s*\[))\s*(?P<column>[0-3])\s*[)\]}]"
 )
 _CLAMPED = re.compile(
     r"\\(?:operatorname|mathrm|text)\s*\{\s*(?:clamp|clip|sat)\s*\}\s*"
@@ -123,12 +123,13 @@ _SAME |= dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\u
 _SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our own
 _SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
 _SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
+_PLAIN = {ord(sign): same for sign, same in _SAME.items()}
 
 
 def cleaned(text: str, time: bool = True) -> str:
     r"""The text with blanks for everything that only moves ink; as long as before, line by line."""
     text = _MATHEMATICAL.sub(lambda m: unicodedata.normalize("NFKC", m[0]), text)
-    text = without_comments(text.translate(str.maketrans("".join(_SAME), "".join(_SAME.values()))))
+    text = without_comments(text.translate(_PLAIN))
     text = _CENTRE.sub(lambda m: f"_{{c{m['link']}".ljust(len(m[0]) - 1) + "}", text)
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
@@ -149,7 +150,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = re.sub(r"(?<=[_^]\{)\\[a-z]+\{[^{}$\\]*\}", lambda m: re.sub("[,-]", " ", m[0]), text)  # {\text{a-b}}
     text = _CLAMPED.sub(_within, text)
-    first = int(all(m["small"] or "0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
+    first = int(all(m["indexed"] or "0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
     text = _ENTRY.sub(partial(_entry, first=first), text)
     if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):
         entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
