@@ -324,8 +324,6 @@ def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
             is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
             note = _words(unlisted(text, is_half, matrix.has_zeros))
             items.append(_macro("matrix", whole=equation, entries=entries, note=note).rstrip())
-        elif "\\begin" in equation:
-            items.append(f"\\whole{{{equation}}}%")
         else:
-            items.append(f"\\eq{{{breakable(equation)}}}%")
+            items.append(f"\\whole{{{equation}}}%" if "\\begin" in equation else f"\\eq{{{breakable(equation)}}}%")
     return _macro("rows", items=items)

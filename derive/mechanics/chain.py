@@ -273,10 +273,7 @@ def _chain_joint(
 
 
 def fixed_bodies(robot: Robot, domain: Domain[S]) -> Iterator[tuple[int, Frame[S], Link]]:
-    """The bodies of rows without motion, with the joint whose link they are part of, -1 for the base.
-
-    Each comes with its own frame in the DH frame of that link.
-    """
+    """The bodies of rows without motion: the joint that carries each, or -1, and its frame in the DH frame there."""
     for row in robot.fixed if robot.links else ():  # without the links of joints these have none either
         joint, frame = way_frame(robot, row.name, domain)
         if row.link is not None and frame is not None:

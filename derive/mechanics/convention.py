@@ -170,9 +170,8 @@ class Cells:
         """A polynomial as a cell: one that is known, up to its sign, or a sum in a fixed order."""
         for cell in known:
             negated = tree.add(*map(tree.negate, cell.terms)) if isinstance(cell, Sum) else tree.negate(cell)
-            for written in (cell, negated):
-                if self.domain.constant(written) == value:
-                    return written
+            if found := next((each for each in (cell, negated) if self.domain.constant(each) == value), None):
+                return found
         terms = [([exponents[place] for place in self._order], factor) for exponents, factor in value.terms()]
         # Positive terms first, higher powers first.
         ordered = sorted(terms, key=lambda term: (term[1] < 0, [-exponent for exponent in term[0]]))

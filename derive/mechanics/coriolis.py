@@ -115,7 +115,6 @@ class _ColumnWrench(Generic[S]):
     kappa: Vector[S]  # moment whose part along z_i is C_ji
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _ColumnWrench[S]:
-        """From joint frame i to i-1."""
         # Force and moment about the origin of frame i-1: n' = n + p x f.
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)

@@ -32,8 +32,7 @@ class Kinematics:
         """DH frame j in DH frame i, without base and tool."""
         if i >= j:
             return self.transform(j, i).inverse if i > j else self.chain.unit
-        before = self.chain.joints[j - 1].parent + 1
-        return self.transform(i, before) @ self.chain.row(j, self.robot.convention)
+        return self.transform(i, self.chain.joints[j - 1].parent + 1) @ self.chain.row(j, self.robot.convention)
 
     def row(self, i: int) -> PolynomialFrame:
         """A_i, from the frame that row i follows."""

@@ -31,8 +31,7 @@ from derive.mechanics.vectors import Matrix, S, Scalar, Symmetric, Vector, add, 
 class Field(Scalar, Protocol):
     """A scalar that can also divide."""
 
-    def __truediv__(self, other: Any, /) -> Self:
-        """Self over other."""
+    def __truediv__(self, other: Any, /) -> Self: ...
 
 
 F = TypeVar("F", bound=Field)
@@ -70,8 +69,7 @@ def carried(lifted: Sequence[Sequence[F]], pivots: Sequence[F], zero: F) -> list
 
 def forward_dynamics(inertia: Sequence[Sequence[F]], bias: Sequence[F], torques: Sequence[F]) -> list[F]:
     """The accelerations qdd under torques tau, n entries [N m or N]."""
-    push = [torque - b for torque, b in zip(torques, bias, strict=True)]
-    factors, pivots, (qdd,) = factorised(inertia, [push])
+    factors, pivots, (qdd,) = factorised(inertia, [[torque - b for torque, b in zip(torques, bias, strict=True)]])
     # D U^T qdd = y, from the base outward.
     for k, pivot in enumerate(pivots):
         qdd[k] = qdd[k] / pivot

@@ -157,8 +157,7 @@ def wrench_torque_derivatives(
 class RootField(Field, Protocol):
     """A scalar that can divide and has square roots."""
 
-    def __rtruediv__(self, other: Any, /) -> Self:
-        """Other over self."""
+    def __rtruediv__(self, other: Any, /) -> Self: ...
 
     def sqrt(self) -> Self:
         """The square root."""

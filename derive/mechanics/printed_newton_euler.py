@@ -82,8 +82,7 @@ class LinkData(Generic[S]):
         rate, acceleration = scale(self.qd, self.z), scale(self.qdd, self.z)
         # omega_i and omegad_i; vd_i of a slide has z qdd + 2 omega x z qd more.
         if self.revolute:
-            w = add(m.w, rate)
-            joined = FrameMotion(w, add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
+            joined = FrameMotion(add(m.w, rate), add(add(m.wd, acceleration), cross(m.w, rate)), m.v, m.vd)
         else:
             twice = cross(m.w, rate)
             joined = FrameMotion(m.w, m.wd, add(m.v, rate), add(add(m.vd, acceleration), add(twice, twice)))
@@ -134,8 +133,7 @@ class PrintedRecursion(Generic[S]):
 
 def without_rotors(robot: Robot) -> Robot:
     """The robot without rotors, armatures and Coulomb friction: what these equations describe."""
-    links = tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links)
-    return replace(robot, links=links)
+    return replace(robot, links=tuple(replace(link, motor=None, armature=ZERO, coulomb=ZERO) for link in robot.links))
 
 
 def printed_newton_euler(

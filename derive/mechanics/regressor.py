@@ -60,10 +60,7 @@ def next_screws(chain: Chain[S], i: int, before: Screws[S]) -> Screws[S]:
 
 
 def with_unit_rotors(robot: Robot) -> Robot:
-    """The robot with nothing on it but its rotors, each of unit mass and unit inertia.
-
-    In its chain ``coupling`` is sign * ratio and ``armature`` is ratio^2.
-    """
+    """The robot with nothing but unit rotors, mass and inertia: ``coupling`` is sign * ratio, ``armature`` ratio^2."""
     motors = (link.motor and Motor(ONE, ONE, link.motor.ratio) for link in robot.links)
     return replace(robot, links=tuple(Link(motor=motor) for motor in motors), fixed=tree.massless(robot.fixed))
 

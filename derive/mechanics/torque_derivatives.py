@@ -103,7 +103,6 @@ class _Response(Generic[S]):
     delta: Vector[S]  # moment by which the torque of joint j answers the rate of an axis
 
     def to_parent(self, joint: ChainJoint[S], omega: Vector[S], rate: S) -> _Response[S]:
-        """From joint frame i to i-1."""
         # To the origin of frame i-1: moments gain p x force, delta gains pdot x u.
         p = origin(joint)
         force, unit = to_parent(joint, self.force), to_parent(joint, self.unit)

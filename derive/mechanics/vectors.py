@@ -160,8 +160,7 @@ class Frame(Generic[S]):
 
     def rows(self, zero: S, one: S) -> list[list[S]]:
         """The homogeneous matrix, 4x4."""
-        top = [[*self.rotation[k], self.position[k]] for k in range(3)]
-        return [*top, [zero, zero, zero, one]]
+        return [*[[*self.rotation[k], self.position[k]] for k in range(3)], [zero, zero, zero, one]]
 
     def __matmul__(self, other: Frame[S]) -> Frame[S]:
         moved = add(self.position, multiply(self.rotation, other.position))

@@ -238,8 +238,7 @@ class OnClosure:
     def roots(self, point: Mapping[str, Fraction]) -> dict[str, Fraction]:
         """The positions that have no formulas, where the branch can be assembled."""
         wanted = [name for one in self._loops if isinstance(one, IteratedClosure) for name in one.passive]
-        cells = {name: number(x) for name, x in point.items()}
-        full = self._closure.completed(cells, DIGITS) if wanted else {}
+        full = self._closure.completed({name: number(x) for name, x in point.items()}, DIGITS) if wanted else {}
         numbers = {name: full[name] for name in wanted}
         return {name: cell.value for name, cell in numbers.items() if isinstance(cell, Number)}
 

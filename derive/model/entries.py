@@ -245,8 +245,7 @@ class ModelEntries:
         if self.robot.coupled:
             return inertia + velocity + self.g.terms(i, 1) + expanded_terms(self.friction(i))
         link = self.robot.links[i - 1]
-        friction = sum(cell != ZERO for cell in (link.viscous, *link.signed))
-        return inertia + velocity + self.g.terms(i, 1) + friction
+        return inertia + velocity + self.g.terms(i, 1) + sum(cell != ZERO for cell in (link.viscous, *link.signed))
 
     @cached_property
     def kinetic(self) -> Entries:

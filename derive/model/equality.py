@@ -288,9 +288,7 @@ def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
     """Bases and exponents of the flattened product."""
     if isinstance(e, Product):
         return [pair for f in e.factors for pair in _flat_factors(f, exponent)]
-    if isinstance(e, Power):
-        return _flat_factors(e.base, exponent * e.exponent)
-    return [(e, exponent)]
+    return _flat_factors(e.base, exponent * e.exponent) if isinstance(e, Power) else [(e, exponent)]
 
 
 def _form_of_sum(e: Sum) -> tuple[Fraction, Shape]:

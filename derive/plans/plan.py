@@ -293,8 +293,7 @@ class _PlanReader:
             raise document.error(time, "a fastest motion takes the time that the limits allow", remedy=remedy)
         to, by_hand = self._target(path, points), profile is Profile.SPLINE and document.text("spline") == "hand"
         what = f"the way to {to}" if straight or through or by_hand else ""
-        carries = document.scalar((*path, "payload")) and "a payload"
-        end = self._end(path, what or carries or "", points[to].end)
+        end = self._end(path, what or (document.scalar((*path, "payload")) and "a payload") or "", points[to].end)
         return Step(
             to=to,
             time=self._numbers.positive(time, ONE) if document.scalar(time) else None,

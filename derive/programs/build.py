@@ -71,7 +71,6 @@ class _Inverse:
     size = 5_000  # as long as a search among so many operations: 0.3 s of the 1.7 s of a PUMA 560's program
 
     def result(self) -> Solved:
-        """The program, or why there is none."""
         from derive.programs.inverse import solved  # forty modules, which a motion in joint variables does not need
 
         return solved(self.trace)

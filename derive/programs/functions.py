@@ -1,8 +1,4 @@
-"""The generated functions, one row each: what it takes and gives, and the ways to compute it.
-
-A further function is one more row here, with what traces it in `derive.programs.formulations`; documentation follows.
-The oracle of `derive.verification` has its own table, lest a mistake is made twice, and the yardstick of its errors.
-"""
+"""The generated functions, one row each: what it takes and gives, and the ways to compute it."""
 
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass

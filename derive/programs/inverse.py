@@ -198,16 +198,14 @@ def search_function(trace: Trace, graph: SolutionGraph) -> tuple[InverseSearch |
     payload = next((node.formulas[0].payload for node in graph.nodes if node.kind is NodeKind.GENERAL), None)
     solution: GeneralSolution | None = payload.solution if payload else None
     places = tuple(sorted(graph.places))
-    entries = next((known for known in (WHOLE, POSITION) if tuple(sorted(known)) == places), places)
     formulation, tape = trace.choice.cheapest([Formulation("the frames between the joints", lambda: frames(trace))])
     widths = {POSE: POSE_ENTRIES, **({GIVEN: len(graph.given)} if graph.given else {}), NEAR: trace.n}
-    function = Function(SEARCH_INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths)
     return InverseSearch(
-        function=function,
+        function=Function(SEARCH_INTERFACE, ((trace.n + 1) * FRAME_ENTRIES,), tape, formulation.words, widths=widths),
         branches=solution.branches if solution else MOST_SOLUTIONS,
         joints=trace.n,
         given=graph.given,
-        entries=entries,
+        entries=next((known for known in (WHOLE, POSITION) if tuple(sorted(known)) == places), places),
         eliminations=solution.eliminations if solution else (),
         count=solution.count if solution else 0,
         summary=_summary(graph, solution),

@@ -85,7 +85,6 @@ class Function:
     widths: Mapping[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Check that the tape fills the shape."""
         assert prod(self.shape) == len(self.tape.outputs), (self.name, self.shape, len(self.tape.outputs))
 
     @property
@@ -158,9 +157,8 @@ class Inverse:
     @property
     def order(self) -> tuple[str, ...]:
         """The branches by name, in their order, as lines of a docstring; none where there are no words for them."""
-        rows = (f"{k}. {words}" for k, words in enumerate(self.postures, 1))
         head = "Branches, in this order; `derive show ROBOT inverse --format json` has their signs:"
-        return (head, *rows) if self.postures else ()
+        return (head, *(f"{k}. {words}" for k, words in enumerate(self.postures, 1))) if self.postures else ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,15 +202,12 @@ class Program:
     of_ends: tuple[EndInverse, ...] = ()  # inverse kinematics of the ends of a tree, of those that have a closed form
 
     def __getitem__(self, name: str) -> Function:
-        """The function of that name."""
         return {function.name: function for function in self.functions}[name]
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is a function of that name."""
         return any(function.name == name for function in self.functions)
 
     def __iter__(self) -> Iterator[Function]:
-        """The functions in order."""
         return iter(self.functions)
 
     @property
@@ -240,8 +235,7 @@ class Program:
 
 def cost_text(operations: Operations) -> str:
     """Operation counts as they are printed."""
-    parts = [f"{count} {name}" for name, count in operations.as_dict().items() if count]
-    return ", ".join(parts) or "no operations"
+    return ", ".join([f"{count} {name}" for name, count in operations.as_dict().items() if count]) or "no operations"
 
 
 def joint_lines(robot: Robot, escape: Callable[[str], str] | None = None) -> tuple[str, ...]:

@@ -10,11 +10,7 @@ from derive.robot.expression import Call, Expression, Name, Number, Pi, Power, P
 
 # The functions of the cell grammar and of printed formulas, of floats.
 FUNCTIONS: Mapping[str, Callable[..., float]] = {
-    "sin": math.sin,
-    "cos": math.cos,
-    "tan": math.tan,
-    "sqrt": math.sqrt,
-    "atan2": math.atan2,
+    function.__name__: function for function in (math.sin, math.cos, math.tan, math.sqrt, math.atan2)
 }
 Values = Mapping[str, Fraction | float]  # numbers of names; rational ones stay exact in what is computed from them
 _SINGULAR = 1e-12  # denominators and cosines under a tangent below it are taken for zero: pi is only known to 1e-16

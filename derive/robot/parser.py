@@ -284,8 +284,7 @@ class _Parser:
         return self._error(f"unexpected {quoted(token.text)}", token, remedy)
 
     def _error(self, found: str, token: Token, remedy: str) -> ExpressionError:
-        whole = self._text.strip() in ("", token.text)
-        found = found if whole else f"{found} in {quoted(self._text)}"
+        found = found if self._text.strip() in ("", token.text) else f"{found} in {quoted(self._text)}"
         return ExpressionError(found, remedy=remedy, location=place(self._text, token.offset, self._start))
 
 

@@ -63,8 +63,7 @@ class Robot(Description):
         free = ", ".join(free_symbols(self)) or "none"
         gravity = ", ".join(map(to_text, self.gravity or ()))
         dynamics = f"{len(self.links)} links, gravity [{gravity}]" if self.links else "none"
-        title = " ".join(self.title.split())
-        head = f"Robot {self.name}: {title} {self._heading}"
+        head = f"Robot {self.name}: {' '.join(self.title.split())} {self._heading}"
         return "\n".join([head, *lines, f"dynamics: {dynamics}; free symbols: {free}"])
 
     def _repr_html_(self) -> str:

@@ -155,9 +155,8 @@ def ends(robot: Description) -> tuple[End, ...]:
 
 def end_named(robot: Description, name: str) -> End:
     """An end by its name."""
-    for end in ends(robot):
-        if end.name == name:
-            return end
+    if found := next((end for end in ends(robot) if end.name == name), None):
+        return found
     names = [end.name for end in robot.ends]
     allowed = f"allowed: {listed(names)}" if names else "allowed: none, it has one end without a name"
     raise QuantityError(f"end '{name}' of {robot.name}", allowed=allowed, remedy=near_miss(name, names))

@@ -88,8 +88,8 @@ def located_expressions(robot: Description) -> Iterator[tuple[KeyPath, Expressio
         yield (*place, "mass"), link.mass
         yield from (((*place, "com", k), entry) for k, entry in enumerate(link.com))
         yield from (((*place, "inertia", key), getattr(link.inertia, key)) for key in INERTIA)
-        for key in ("mass", "inertia", "ratio") if link.motor is not None else ():
-            yield (*place, "motor", key), getattr(link.motor, key)
+        keys = ("mass", "inertia", "ratio") if link.motor is not None else ()
+        yield from (((*place, "motor", key), getattr(link.motor, key)) for key in keys)
         yield (*place, "armature"), link.armature
         yield (*place, "friction", "viscous"), link.viscous
         dry: KeyPath = (*place, "friction", "coulomb")

@@ -98,17 +98,15 @@ def _slip(path: KeyPath, angle: Expression, units: FileUnits) -> tuple[str, str]
     """What is found and what to write, where the plain number in an angle is hardly meant as it stands."""
     parameter, motion = path[-2] in ("parameters", "values"), path[2:3] == ("limits",) or path[:2] == ("figure", "q")
     known = ((c, term) for c, term in tree.linear_terms(angle) if is_constant(term) and not tree.contains_pi(term))
-    plain = (tree.multiply(tree.number(c), term) for c, term in known)
     try:
-        value = evaluate(tree.add(*plain), {})
+        value = evaluate(tree.add(*(tree.multiply(tree.number(c), term) for c, term in known)), {})
     except ArithmeticError:
         return None
     shown, twelfths = f"{value:.10g}", round(12 * value / pi)
     near = twelfths != 0 and abs(value - twelfths * pi / 12) <= NEAR * max(1.0, abs(value)) and abs(twelfths) <= 24
     exact = tree.multiple_of_pi(Fraction(twelfths, 12))
     if units.degrees and (units.parameters or not parameter):
-        decimals = len(shown.partition(".")[2])
-        if not near or motion or decimals < DEGREE_DECIMALS:
+        if not near or motion or len(shown.partition(".")[2]) < DEGREE_DECIMALS:
             return None
         found = f"{shown} is nearly {exact}, but angles of this file are in degrees"
         return found, f"if radians are meant write {15 * twelfths}"

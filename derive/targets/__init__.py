@@ -1,5 +1,1 @@
-"""What is written: one small module and one folder of templates for each language; knows no mechanics and no handout.
-
-Every language goes through `kernel`, which turns a tape into statements; `target` says what a target is, `templating`
-and `escape` how texts and users' words get into files. `native` builds on `c` and `numpy`, `casadi` on both as well.
-"""
+"""What is written: a module and a folder of templates for each language; it knows no mechanics and no handout."""

@@ -51,8 +51,7 @@ class CodePart:
     @property
     def arrays(self) -> tuple[str, ...]:
         """The arrays that it reads, in the order of their declaration."""
-        used = {read.array for read in self.reads}
-        return tuple(array for array in _ARRAYS if array in used)
+        return tuple(array for array in _ARRAYS if any(read.array == array for read in self.reads))
 
 
 def c_function(function: Function, parameters: Sequence[str], more_constants: int = 0) -> dict[str, Any]:

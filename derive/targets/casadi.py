@@ -101,8 +101,7 @@ def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[s
     import casadi
 
     names = [*(name for name in function.arguments if name != NEAR), *(["params"] if parameters else [])]
-    widths = {"params": parameters}
-    inputs = [casadi.SX.sym(name, widths.get(name, function.width(name, joints))) for name in names]
+    inputs = [casadi.SX.sym(name, parameters if name == "params" else function.width(name, joints)) for name in names]
     entries = {
         PARAMETER if name == "params" else name: casadi.vertsplit(column)
         for name, column in zip(names, inputs, strict=True)

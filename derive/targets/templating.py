@@ -1,8 +1,4 @@
-"""The one Jinja environment: templates hold text, loops and flags; everything else is computed before.
-
-Undefined names are errors, blocks leave no blank lines behind, and lines end with a line feed everywhere. The
-thresholds of inverse kinematics are ``policy`` in all of them.
-"""
+"""The one Jinja environment: templates hold text, loops and flags; everything else is computed before."""
 
 import sys
 from contextlib import suppress

@@ -56,10 +56,7 @@ class NumpyModel:
         return np.asarray(getattr(self.module, function)(*arguments, **options))
 
     def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
-        """Joint variables, (poses, branches, n), and what the branches are, with variables (poses, k) of given joints.
-
-        Of one pose where there is one, else of a batch.
-        """
+        """Joint variables, (poses, branches, n), and the status of branches, for given joints' variables (poses, k)."""
         options: dict[str, Any] = {"params": dict(parameters)} if parameters else {}
         if given.shape[-1]:
             options["given"] = given if len(poses) > 1 else given[0]

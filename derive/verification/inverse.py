@@ -129,10 +129,8 @@ def _fault(
     turns = np.array([joint.is_revolute for joint in joints])
     if complete and _distance(rows, q, turns).min() > SAME:
         return "misses the configuration"
-    for i, row in enumerate(rows):
-        if i and _distance(rows[:i], row, turns).min() < APART:
-            return "finds a solution twice"
-    return ""
+    is_twice = any(_distance(rows[:i], rows[i], turns).min() < APART for i in range(1, len(rows)))
+    return "finds a solution twice" if is_twice else ""
 
 
 def _is_singular(arm: NumericArm, q: Array, places: Sequence[tuple[int, int]], free: Sequence[int]) -> bool:

@@ -33,8 +33,7 @@ def relative_errors(difference: Array, scale: Array) -> Array:
     """Size of a difference in terms of a scale."""
     with np.errstate(divide="ignore", invalid="ignore"):
         ratio = np.abs(difference) / scale
-    exact = np.broadcast_to(difference == 0, ratio.shape)
-    return np.where(exact, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
+    return np.where(difference == 0, 0.0, np.where(np.isnan(ratio), np.inf, ratio))
 
 
 def largest(argument: Array) -> Array:
@@ -296,10 +295,9 @@ class BaseExpectation(Expectation):
         """How far off base parameters are."""
         if not np.isfinite(got).all():
             return np.full(got.shape, np.inf)
-        together = np.abs(self.matrix @ got - self.torques).max()
         weight = np.abs(self.matrix).max(axis=0)
         alone = np.abs(got - self.value) * weight / np.maximum(np.abs(self.value) * weight, self.small)
-        return np.asarray(np.maximum(alone, together))
+        return np.asarray(np.maximum(alone, np.abs(self.matrix @ got - self.torques).max()))
 
 
 def expectation(function: str, sample_set: SampleSet, arguments: tuple[Array, ...]) -> Expectation:

@@ -246,16 +246,13 @@ class Trial:
 
 
 def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet]) -> Iterator[Trial]:
-    """All calls of a function: in every way that its target offers, with every set of parameters and all at once.
-
-    Long batches are for the first set alone: where they are cut does not depend on numbers.
-    """
+    """All calls of a function: in every way that its target offers, with every set of parameters and all at once."""
     for sample_set in sample_sets:
         arguments = _arguments(function, sample_set)
         if not arguments:
             yield Trial("no arguments", partial(model.call, function, (), sample_set.parameters), (), sample_set)
             continue
-        for way in model.ways:
+        for way in model.ways:  # long batches for the first set alone: where they are cut does not depend on numbers
             if way != "parameters" and (way != "blocks" or sample_set is sample_sets[0]):
                 yield _trial(way, model, function, arguments, sample_set)
     if "parameters" in model.ways and sample_sets[0].parameters:

@@ -243,8 +243,7 @@ def zeros(function: Determinant, us: Array, vs: Array, closed: Sequence[bool] = 
     # The zeros on the four sides of each cell by their numbers, -1 for none, joined in pairs.
     sides = (number_across[:, :-1], number_across[:, 1:], number_along[:-1], number_along[1:])
     pairs = combinations([side.ravel() for side in sides], 2)
-    joined = [np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in pairs]
-    return ((low + high) / 2)[:, np.concatenate(joined)]
+    return ((low + high) / 2)[:, np.concatenate([np.stack([a, b], axis=1)[(a >= 0) & (b >= 0)] for a, b in pairs])]
 
 
 def _extreme_radii(plane: PlaneMap, cells: int) -> list[float]:

@@ -195,8 +195,7 @@ class PlaneMap:
     def inside(self, q: Array) -> Array:
         """Configurations brought into the limits; angles of joints that turn all around are free."""
         low, high = self.box
-        free = np.array([way.full for way in self.ranges])[:, None]
-        return np.asarray(np.where(free, q, np.clip(q, low, high)))
+        return np.asarray(np.where(np.array([way.full for way in self.ranges])[:, None], q, np.clip(q, low, high)))
 
     def nearest(self, targets: Array, starts: Array) -> tuple[Array, Array, Array]:
         """Configurations within the limits that bring the point nearest to targets, each from a start nearby.

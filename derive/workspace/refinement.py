@@ -58,8 +58,7 @@ class _Cells:
                 rows.append(np.flatnonzero(good))
                 found.append(q[:, good])
         row, q = np.concatenate(rows), np.concatenate(found, axis=1)
-        away = np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0)
-        order = np.argsort(away, kind="stable")
+        order = np.argsort(np.sum((self.plane.places(q) - self.places(nodes)[:, row]) ** 2, axis=0), kind="stable")
         nearest = order[_rank(row[order]) < (len(_NEIGHBOURS) + 1 if best else _TRIED)]
         return row[nearest], q[:, nearest]
 

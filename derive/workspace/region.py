@@ -227,11 +227,4 @@ def _whole(region: Region, revolves: bool) -> Region:
 
 def _revolved(region: Region) -> float:
     """The volume of an area beside the axis that turns once around it, by the theorem of Pappus [m^3]."""
-    total = 0.0
-    # Pappus: V = 2 pi x_c A, with x_c A of a polygon as sum (x_i + x_{i+1}) (x_i y_{i+1} - x_{i+1} y_i)/6.
-    for polygon in shapely().get_parts(region):
-        for ring, sign in ((polygon.exterior, 1.0), *((hole, -1.0) for hole in polygon.interiors)):
-            x, y = np.reshape(ring.coords, (-1, 2)).T
-            cross = x[:-1] * y[1:] - x[1:] * y[:-1]
-            total += sign * abs(float(np.sum((x[:-1] + x[1:]) * cross))) / 6.0
-    return 2.0 * math.pi * total
+    return 0.0 if region.is_empty else math.tau * float(region.centroid.x * region.area)

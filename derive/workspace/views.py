@@ -255,12 +255,6 @@ class _Search:
 
 def _seen_along_axis(section: Region) -> Region:
     """The rings that a solid of revolution covers, seen along its axis."""
-    package = areas.shapely()
-    rings = []
-    for part in package.get_parts(section):
-        if part.is_empty:
-            continue
-        inner, _, outer, _ = part.bounds
-        ring = package.Point(0.0, 0.0).buffer(outer, quad_segs=512)
-        rings.append(ring.difference(package.Point(0.0, 0.0).buffer(inner, quad_segs=512)) if inner > 0.0 else ring)
-    return package.unary_union(rings)
+    package, disc = areas.shapely(), partial(areas.shapely().Point(0.0, 0.0).buffer, quad_segs=512)
+    bounds = (part.bounds for part in package.get_parts(section) if not part.is_empty)
+    return package.unary_union([disc(outer).difference(disc(inner)) for inner, _, outer, _ in bounds])

@@ -60,9 +60,8 @@ def latex_drawing(drawing: Drawing) -> str:
             line.append(operators)
         if isinstance(item, Label):
             anchor = _HORIZONTAL[item.anchor[0]] + _VERTICAL[item.anchor[1]]
-            text = f"${item.latex}$"
-            if item.color != BLACK:
-                text = f"\\derivelabel{{{_pdf_color(item.color)}}}{{{text}}}"
+            math, color = f"${item.latex}$", _pdf_color(item.color)
+            text = math if item.color == BLACK else f"\\derivelabel{{{color}}}{{{math}}}"
             place = f"({_number(item.at[0])},{_number(item.at[1])})"
             lines.append(f"\\put{place}{{\\makebox(0,0){f'[{anchor}]' if anchor else ''}{{{text}}}}}")
     body = "\n".join(lines)
@@ -76,8 +75,7 @@ def latex_drawing(drawing: Drawing) -> str:
 def _pdf_operators(item: Path) -> str:
     """PDF operators: colours, width and dashes, the outline, and how it is painted."""
     points = [f"{_number(x * _PDF_POINT)} {_number(y * _PDF_POINT)}" for x, y in item.points]
-    state = []
-    state += [f"{_pdf_color(item.fill)} rg"] if item.fill is not None else []
+    state = [f"{_pdf_color(item.fill)} rg"] if item.fill is not None else []
     if item.stroke is not None:
         state.append(f"{_pdf_color(item.stroke)} RG {_number(item.width * _PDF_POINT)} w")
         state.append("[3 2] 0 d" if item.dashed else "[] 0 d")

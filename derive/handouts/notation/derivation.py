@@ -201,8 +201,7 @@ def product_text(robot: Robot, origin: Origin) -> str:
     base = [] if origin.has_base or robot.base == IDENTITY else ["base^-1"]
     tool = [] if origin.has_tool or robot.tool == IDENTITY else ["tool^-1"]
     text = " ".join((*before, *base, "T", *tool, *after))
-    inverse = f"({text})^-1" if " " in text else "T^-1"
-    return inverse if origin.inverse else text
+    return (f"({text})^-1" if " " in text else "T^-1") if origin.inverse else text
 
 
 def formula(line: PrintedLine, write: Print, equals: str = " = ", or_: str = " or ", half_turn: str = " + pi") -> str:

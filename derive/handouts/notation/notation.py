@@ -84,10 +84,8 @@ def natural(name: str) -> Glyph:
             subscripts.append(greek(part))
         elif len(word) <= LONGEST_SUFFIX:
             subscripts.append(italic(part))
-        elif word == part:
-            subscripts.append(upright(part))
         else:
-            subscripts.append(concatenate(upright(word), italic(part[len(word) :])))
+            subscripts.append(upright(part) if word == part else concatenate(upright(word), italic(part[len(word) :])))
     commas = (box for subscript in subscripts for box in (_COMMA, subscript))
     return Glyph(head, concatenate(*list(commas)[1:]) if subscripts else EMPTY)
 

@@ -309,8 +309,7 @@ class TextPrinter(PlainPrinter):
 
     def _print_Add(self, expression: Any, order: Any = None) -> str:
         terms = [str(self._print(term)) for term in sorted(expression.args, key=self._order.term)]
-        rest = (f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:])
-        return terms[0] + "".join(rest)
+        return terms[0] + "".join(f" - {term[1:]}" if term.startswith("-") else f" + {term}" for term in terms[1:])
 
     def _print_Mul(self, expression: Any) -> str:
         coefficient, rest = expression.as_coeff_Mul()

@@ -118,8 +118,7 @@ def unicode_name(latex: str) -> str:
 def _words(text: str) -> str:
     parts = []
     for mark, part in sheet.spans(text):
-        plain = f"<code>{html_text(part)}</code>" if mark else html_text(part)
-        parts.append(formula(part) if mark == "$" else plain)
+        parts.append(formula(part) if mark == "$" else f"<code>{html_text(part)}</code>" if mark else html_text(part))
     return "".join(parts)
 
 

@@ -82,11 +82,10 @@ def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
             second=loop.join[1],
             by=loop.by.value,
         )
-    names = and_list(context.text, [f"${context.notation.glyph(name).box.tex}$" for name in one.passive])
     yield context.paragraph(
         "No elementary equations one after the other give %(names)s. These closure equations remain; they are solved "
         "numerically, by Newton's method from the last configuration.",
-        names=names,
+        names=and_list(context.text, [f"${context.notation.glyph(name).box.tex}$" for name in one.passive]),
     )
     items = [Item(italic("0"), expanded_terms(e), partial(lambda e: e, e)) for e in one.equations]
     yield formula(context, context.layouter.entries(items))

@@ -54,8 +54,7 @@ def conversion(context: Context) -> Iterator[Block]:
     )
     before, behind = (Box("-1", 8.0), EMPTY) if context.is_standard else (EMPTY, Box("-1", 8.0))
     first, last = script(bold("X"), italic("0"), before), script(bold("X"), italic(str(context.robot.n)), behind)
-    both = equated(NEW_BASE, BASE, first), equated(NEW_TOOL, last, TOOL)
-    if moved := pack(compress(both, ends)):
+    if moved := pack(compress((equated(NEW_BASE, BASE, first), equated(NEW_TOOL, last, TOOL)), ends)):
         yield Rows(tuple(moved))
     yield from table_rows(new)
     if lines := end_lines(new, NEW_BASE, NEW_TOOL):

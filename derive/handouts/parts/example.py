@@ -198,8 +198,7 @@ def configuration(robot: Robot) -> tuple[Sequence[Expression], tuple[float, ...]
             value = evaluate(cell, values)
             with suppress(ArithmeticError, ExpressionError):  # limits in symbols without numbers do not count
                 lower, upper = (evaluate(limit, values) for limit in joint.limits)
-                is_close = math.isclose(value, lower) or math.isclose(value, upper)
-                if not (lower <= value <= upper or is_close):
+                if not (lower <= value <= upper or math.isclose(value, lower) or math.isclose(value, upper)):
                     cell = middle(joint)
         cells.append(cell)
     return cells, tuple(evaluate(cell, values) for cell in cells)

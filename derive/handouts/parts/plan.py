@@ -150,11 +150,10 @@ def _derivation(context: Context, k: int) -> Iterator[Block]:
     yield Rows((",\\quad ".join(lower), f"{product} = {latex(right, mat_str='bmatrix', mat_delim='')}"))
     s = Poly.from_list(list(reversed(basis(k)[k])), UNIT)
     polynomials = zip(_DERIVATIVES, (s, s.diff(UNIT), s.diff(UNIT).diff(UNIT)), strict=False)
-    lines = [f"{letter} = {latex(poly.as_expr(), order='rev-lex')}" for letter, poly in polynomials]
     yield context.paragraph(
         "Hence, with the derivatives by $u$, to be divided by $T$ for velocities and by $T^2$ for accelerations:"
     )
-    yield Rows(tuple(lines))
+    yield Rows(tuple(f"{letter} = {latex(poly.as_expr(), order='rev-lex')}" for letter, poly in polynomials))
     yield context.paragraph("Where a joint does not stop at a point, its velocity there takes the place of the zero.")
 
 

@@ -1,8 +1,4 @@
-"""Texts of the handout in the reader's language: English, and one message catalogue for each other.
-
-Every text is written in English where it is used, as ``_("Link %(index)s", index=3)``. A new language is one file,
-``derive/handouts/locale/<language>.po``, made from ``locale/derive.pot``; ``make messages`` keeps all of them complete.
-"""
+"""Texts of the handout in the reader's language: English, and one message catalogue for each other."""
 
 from collections.abc import Iterable, Mapping
 from contextlib import suppress

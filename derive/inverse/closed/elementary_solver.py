@@ -211,9 +211,8 @@ class Solver(Generic[N, M]):
             root = f.sqrt(square)
             # A c + B s = 0: theta = atan2(-A, B) and its opposite, without a radicand that could vanish.
             cosine, sine = f.divide(-b, root), f.divide(a, root)
-            both = [(cosine, sine), (-cosine, -sine)]
             exists, no = f.has_root(square, square), f.truth(False)
-            return [Branch(pair, exists, no, no) for pair in both]
+            return [Branch(pair, exists, no, no) for pair in ((cosine, sine), (-cosine, -sine))]
         if not has_a or not has_b:
             # One of cosine and sine is known, the other is a root of 1 - x^2.
             known = f.divide(c, b if has_b else a)

@@ -263,8 +263,7 @@ class GraphWalk(Generic[N, M]):
             rest = (f.number(1), f.number(0))
             for joint, sign in zip(unknown.joints, unknown.signs, strict=True):
                 rest = turned(rest, self._of_variable(joint, self.near), sign)
-        free = Branch(rest, yes, no, no)
-        return [replace(value, free=open_) for value in self._merge(node, values, open_, [free])]
+        return [replace(value, free=open_) for value in self._merge(node, values, open_, [Branch(rest, yes, no, no)])]
 
     def _merge(
         self, node: Node, values: list[Value[N, M]], mask: M, found: Sequence[Branch[N, M]]

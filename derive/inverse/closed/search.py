@@ -97,8 +97,7 @@ class Search:
 
     def pairs(self, state: State) -> Iterator[tuple[tuple[int, tuple[int, int]], list[int]]]:
         """Each unknown with the equations in which it and one other unknown occur, short ones first."""
-        for group, parts, found in self._targets(state, 2):
-            yield (group, parts), self._shortest_first(found)
+        yield from (((g, parts), self._shortest_first(found)) for g, parts, found in self._targets(state, 2))
 
     def steps(self, state: State) -> Iterator[tuple[SearchStep, State]]:
         """What can be found next."""
@@ -149,8 +148,7 @@ class Search:
         for (g, a, one), (h, b, other) in combinations(turning, 2):
             if g == h:
                 yield g, (a, b), np.flatnonzero(usable & one & other)
-        for joint, vector in slides:
-            yield -1, (joint, joint), np.flatnonzero(usable & vector)
+        yield from ((-1, (joint, joint), np.flatnonzero(usable & vector)) for joint, vector in slides)
 
     def _shortest_first(self, equations: Array) -> list[int]:
         return [int(k) for k in equations[np.argsort(self.lengths[equations], kind="stable")]]
@@ -181,8 +179,7 @@ class Search:
         evidence, groups = self.evidence, self.evidence.domain.groups
         touched = np.zeros(len(evidence.equations), dtype=np.int64)
         for g, group in enumerate(groups):
-            links = sum(self.depends(g, 1 << k).astype(np.int64) for k in range(len(group) + 1))
-            touched += np.maximum(links - 1, 0)
+            touched += np.maximum(sum(self.depends(g, 1 << k).astype(np.int64) for k in range(len(group) + 1)) - 1, 0)
         for joint in self._slides:
             touched += self.depends(-1, joint)
         kinds = {"R": 0, "p": 1, "u": 3, "m": 8, "k": 12}

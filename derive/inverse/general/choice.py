@@ -221,12 +221,10 @@ class _System:
             ]
             # Rank 1: all lines along an axis are parallel, 2 x 2 minors vanish.
             for line, other in pairwise(lines):
-                for j in range(1, len(line)):
-                    yield line[0] * other[j] - line[j] * other[0]
+                yield from (line[0] * other[j] - line[j] * other[0] for j in range(1, len(line)))
             for line in lines:
                 if not self.loop.revolute[joint]:
-                    for (a, b), (c, d) in pairwise(pairwise(line)):
-                        yield a * d - b * c
+                    yield from (a * d - b * c for (a, b), (c, d) in pairwise(pairwise(line)))
                     if len(line) > 3:
                         yield line[0] * line[3] - line[1] * line[2]
                 elif len(line) > 3:  # cosine and sine of 3/2 and of 1/2 of the angle
@@ -255,8 +253,7 @@ def eliminations(loop: Loop, pose: Array, start: int = 0) -> Iterator[Eliminatio
             # Ways on which the hidden joint is next to the eliminated ones have rows of lower degree.
             reductions.sort(key=lambda each: each.closure.aligned != hidden)
             choices = [(each,) for each in reductions] + ([tuple(reductions)] if len(reductions) > 1 else [])
-            others = [joint for joint in unknowns if joint != hidden]
-            for chosen, multiplied in product(choices, (None, *others)):
+            for chosen, multiplied in product(choices, (None, *[joint for joint in unknowns if joint != hidden])):
                 trial = Elimination(chosen, hidden, multiplied, (0, 0, 0), finish, start, straight)
                 if (rows := _rows(loop, pose, trial)) is not None:
                     yield replace(trial, rows=rows)
@@ -325,8 +322,7 @@ def find_general(chain: NumericChain, given: Sequence[int] = (), entries: Entrie
         return ()
     for start in (0,) if loop.tip else range(0, loop.n, 3):
         turned, goal = loop.rotated(start, pose) if start else (loop, pose)
-        options = sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)
-        for option in options[: POLICY.options]:
+        for option in sorted(eliminations(turned, goal, start), key=lambda each: each.eigenvalues)[: POLICY.options]:
             with np.errstate(over="ignore", invalid="ignore"):  # joints that are nowhere near a solution
                 found = GeneralSolution(tuple(given), entries, (option,)).attempt(0, chain, poses, values)
             # Certain: close before Newton's method; then few doubts, small eigenvalue problems, exact candidates.

@@ -131,8 +131,7 @@ class Shape:
         first, second = arm.axes[:2]
         # The side of axis 1 on which the wrist is: the offset along axis 2, seen outwards.
         reach = self._centre(arm) - arm.points[0]
-        outwards = reach - (reach @ first) * first
-        left = _cross(first, outwards) @ second
+        left = _cross(first, reach - (reach @ first) * first) @ second
         offset = (self._centre(arm) - arm.points[1]) @ second
         return _either(left * offset if abs(offset) > SMALL else -left, Word.SHOULDER_LEFT, Word.SHOULDER_RIGHT)
 
@@ -152,8 +151,7 @@ class Shape:
         if self._planar:  # as an arm is drawn that reaches to the right
             return _either(side, Word.ELBOW_UP, Word.ELBOW_DOWN)
         if abs(axis @ self._up) < 1 - SMALL:
-            above = (line @ line) * bend - (bend @ line) * line
-            return _either(above @ self._up, Word.ELBOW_UP, Word.ELBOW_DOWN)
+            return _either(((line @ line) * bend - (bend @ line) * line) @ self._up, Word.ELBOW_UP, Word.ELBOW_DOWN)
         return _either(side * (axis @ self._up), Word.ELBOW_LEFT, Word.ELBOW_RIGHT)
 
 

@@ -155,8 +155,7 @@ class InverseKinematics:
     @property
     def pose(self) -> Matrix:
         """The pose that is given, 4x4, in its symbols: ``r11``, ..., ``px``, ``py``, ``pz``."""
-        rows = [[self._pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)]
-        return sympy.ImmutableMatrix([*rows, [0, 0, 0, 1]])
+        return sympy.ImmutableMatrix([*[[self._pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)], [0, 0, 0, 1]])
 
     @property
     def degenerate(self) -> tuple[Degenerate, ...]:

@@ -153,8 +153,8 @@ class _Look:
             together = [pair for pair in sets if pair[0] & set(joints)]
             sets = [pair for pair in sets if pair not in together]
             sets.append((set(joints).union(*(p[0] for p in together)), {factor}.union(*(p[1] for p in together))))
-        for members, factors in sorted((tuple(sorted(members)), tuple(sorted(factors))) for members, factors in sets):
-            yield FactorGroup(members, factors, self._parts(members, factors))
+        pairs = sorted((tuple(sorted(members)), tuple(sorted(factors))) for members, factors in sets)
+        yield from (FactorGroup(*pair, self._parts(*pair)) for pair in pairs)
 
     def _parts(self, joints: Sequence[int], factors: Sequence[int]) -> int | None:
         """Connected sets of a grid on which no sign changes."""
@@ -175,8 +175,8 @@ class _Look:
     def poses(self) -> Iterator[Array]:
         """The real solutions of random poses, (solutions, n) each."""
         goal, _ = self._chain.pose_and_jacobian(random_configurations(self._chain, POSES, 8))
-        for found in InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values).solve(goal).q:
-            yield found[np.isfinite(found).all(axis=-1)]
+        solved = InverseSolver.of(self._inverse.robot, self._inverse.graph, self._values).solve(goal).q
+        yield from (found[np.isfinite(found).all(axis=-1)] for found in solved)
 
     def pairs(self, q: Array) -> Iterator[tuple[Array, Array]]:
         """Solutions of one pose with the same signs."""
@@ -257,8 +257,7 @@ class ScaledDeterminant:
     def __call__(self, q: Array) -> Array:
         """Its value."""
         basis = np.eye(6) if self.basis is None else self.basis
-        found: Array = np.linalg.det(basis.T @ self._columns(q)) / self._scale
-        return found
+        return np.asarray(np.linalg.det(basis.T @ self._columns(q)) / self._scale)
 
     def _linear(self, q: Array) -> Array:
         """Velocities of the end effector's origin by each joint, (..., 3, n)."""
@@ -304,8 +303,7 @@ class Roadmap:
 
     def _clearances(self, starts: Array, ends: Array) -> Array:
         """The smallest amount of det J on straight pieces; 0 where it changes its sign."""
-        share = np.linspace(0.0, 1.0, _STEPS)[:, None, None]
-        values = self._determinant(starts + share * self._way(starts, ends))
+        values = self._determinant(starts + np.linspace(0.0, 1.0, _STEPS)[:, None, None] * self._way(starts, ends))
         same = (np.sign(values) == np.sign(values[0])).all(axis=0)
         return np.where(same, np.abs(values).min(axis=0, initial=np.inf), 0.0)
 

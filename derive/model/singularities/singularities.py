@@ -136,8 +136,7 @@ def statement(found: Singularities, write: Write, *, latex: bool = False) -> Ite
         end = words(", ") + zero if zero else words("" if found.rank is None else ", which it never exceeds")
         where = words(f"where the rank of {_matrix(found)} is less than {least}") + end
         yield where if found.rank != 0 else words(f"{_matrix(found)} is zero in every configuration")
-    for family in found.families:
-        yield _family(family, write, words)
+    yield from (_family(family, write, words) for family in found.families)
     unless = words(" or ").join(map(write, found.unless))
     unless = words(" unless ") + unless + words(" is 0") if unless else ""
     if not found.complete:

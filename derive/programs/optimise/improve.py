@@ -64,9 +64,8 @@ class Improvement:
         """The cheapest program found so far, its hoisted work improved too."""
         programs = (self._graph, self._outputs), graph_of(self._network, self._graph)
         graph, outputs = min(programs, key=lambda program: program_cost(*program))  # of equals the old one
-        order = reachable(graph, outputs)
         used = {node_of(ref) for ref in outputs}
-        used.update(k for i in order if graph.layer[i] is Layer.BODY for k in graph.operands[i])
+        used.update(k for i in reachable(graph, outputs) if graph.layer[i] is Layer.BODY for k in graph.operands[i])
         results = sorted(i for i in used if graph.layer[i] is Layer.HOISTED and graph.op[i] not in LEAVES)
         if not results:
             return graph, outputs

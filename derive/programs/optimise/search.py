@@ -335,8 +335,7 @@ class Search:
             new: Polynomial = {}
             for m, k in (polynomial or {}).items():
                 if variable in m:
-                    rest = [v for v in m if v != variable]
-                    new[tuple(sorted((*rest, multiple)))] = signed(ONE, is_negative(k))
+                    new[tuple(sorted((*[v for v in m if v != variable], multiple)))] = signed(ONE, is_negative(k))
                 else:
                     new[m] = k
             network.define(user, new)

@@ -117,11 +117,11 @@ def _eager(order: Sequence[int], work: Work, users: Operands) -> list[int]:
     def _offer_users(i: int) -> None:
         for user in users[i]:
             taken = work[user]
-            if not missing[user] and not is_done[user] and taken is not None:
-                # It frees as many values as its own result takes up: the operands whose last use it is.
-                ended = [k for k in taken if uses_left[k] == 1]
-                if len(ended) >= bool(users[user]):
-                    heappush(free, place[user])
+            if missing[user] or is_done[user] or taken is None:
+                continue
+            # It frees as many values as its own result takes up: the operands whose last use it is.
+            if len([k for k in taken if uses_left[k] == 1]) >= bool(users[user]):
+                heappush(free, place[user])
 
     for i in order:
         while free or not is_done[i]:

@@ -265,11 +265,10 @@ class RobotFile(Strict):
 def json_schema() -> dict[str, Any]:
     """JSON Schema of a robot file, for editors; a file with the robot in a block ``robot:`` is accepted too."""
     robot = structure.schema_of(RobotFile)
-    definitions = robot.pop("$defs", {})
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "derive robot file",
-        "$defs": {**definitions, "RobotFile": robot},
+        "$defs": {**robot.pop("$defs", {}), "RobotFile": robot},
         "anyOf": [
             {"$ref": "#/$defs/RobotFile"},
             {

@@ -337,8 +337,7 @@ def with_loops(
             found = f"by: {by.value} {'with a' if is_long else 'without a'} length"
             remedy = "write by: distance, or leave the length out" if is_long else "write length: that of the rod"
             raise document.error(path, found, "allowed: a length with by: distance alone", remedy)
-        length = cells.length((*path, "length"))
-        loops.append(Loop((one, other), by, branch, length, document.location(path)))
+        loops.append(Loop((one, other), by, branch, cells.length((*path, "length")), document.location(path)))
     places = joint_places(robot)
     passive = {k for k, place in enumerate(places) if place[0] == "joints" and place[1] in passive_rows}
     groups = [{k for branch in around(robot, loop) for k in branch} for loop in loops]

@@ -318,8 +318,7 @@ def task_rows(arm: NumericArm, part: str = "all") -> list[int]:
         is_wrist = len(axis) == 3 and not slides and meeting and np.linalg.matrix_rank(axis) == 3
         is_wrist &= arm.start is None  # of a tree's ends it is the position
         part = "orientation" if is_wrist else "position"
-    wanted = {"position": (0, 1, 2), "orientation": (3, 4, 5)}.get(part, range(6))
-    return [row for row in wanted if row in moving]
+    return [row for row in {"position": (0, 1, 2), "orientation": (3, 4, 5)}.get(part, range(6)) if row in moving]
 
 
 def task_jacobian(arm: NumericArm, q: Array, part: str = "all") -> Array:

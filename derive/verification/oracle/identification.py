@@ -117,8 +117,7 @@ class _Columns:
         if part[0] == "m":
             # A unit first moment along an axis e: force alpha x e + omega x (omega x e), moment e x (a - g0).
             lever = turn[..., :, _AXES[part[1]]]
-            force = cross(motion.alpha, lever) + cross(motion.omega, cross(motion.omega, lever))
-            return force, cross(lever, lifted)
+            return cross(motion.alpha, lever) + cross(motion.omega, cross(motion.omega, lever)), cross(lever, lifted)
         # A unit entry of the tensor E, symmetric: moment E alpha + omega x E omega in frame 0.
         tensor = np.zeros((3, 3))
         j, k = _AXES[part[1]], _AXES[part[2]]

@@ -36,7 +36,6 @@ class Wrench:
     moment: Array
 
     def __add__(self, other: Wrench) -> Wrench:
-        """Both together."""
         return Wrench(self.force + other.force, self.moment + other.moment)
 
 
