@@ -68,10 +68,8 @@ class LatexRun:
 def compile_latex(text: str, name: str = "handout", *, time_limit: float = TIME_LIMIT) -> LatexRun:
     """Compiles a document as often as its references need."""
     if missing := [program for program in PROGRAMS if shutil.which(program) is None]:
-        raise LatexError(
-            f"no PDF without LaTeX: {' and '.join(missing)} not found",
-            remedy=f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere",
-        )
+        remedy = f"on Debian and Ubuntu: apt install {PACKAGES}; or write the .tex and compile it elsewhere"
+        raise LatexError(f"no PDF without LaTeX: {' and '.join(missing)} not found", remedy=remedy)
     with TemporaryFolder() as folder:
         source, log_file = folder.path / f"{name}.tex", folder.path / f"{name}.log"
         source.write_bytes(text.encode())

@@ -168,11 +168,11 @@ def _quantity(context: Context, name: str) -> sheet.Section:
         part = near_miss(word, PARTS)
         if error.remedy and not part:
             raise
-        raise TargetError(
+        found, allowed = (
             f"no part and no quantity {quoted(name)}",
-            allowed=f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
-            remedy=part or near_miss(word, REGISTRY),
-        ) from None
+            f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
+        )
+        raise TargetError(found, allowed=allowed, remedy=part or near_miss(word, REGISTRY)) from None
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")
     if row.name == "inverse" and entry is None:

@@ -120,13 +120,9 @@ class FactorTable:
             items.append((exponents, sign * coefficient))
         for term in contract(len(joints), group.sums, tuple(sorted(items))):
             sign = self._sign((joints[f.edge[0]], f.exponent) for f in term.factors if f.is_sine)
-            written = tuple(
-                (
-                    self._index[PrintedFactor(Kind.SINE if f.is_sine else Kind.COSINE, joints[slice(*f.edge)], None)],
-                    f.exponent,
-                )
-                for f in term.factors
-            )
+            kinds = {True: Kind.SINE, False: Kind.COSINE}
+            factors = ((PrintedFactor(kinds[f.is_sine], joints[slice(*f.edge)], None), f) for f in term.factors)
+            written = tuple((self._index[factor], f.exponent) for factor, f in factors)
             yield rest, trig + written, sign * term.coefficient
 
     def _sign(self, sines: Iterable[tuple[int, int]]) -> int:

@@ -62,14 +62,10 @@ class _Composite(Generic[S]):
         # E + h' p^T: every place x grows by p, and no x' does.
         second_rate = add_matrices(vectors.conjugate(fixed, second_rate), vectors.outer(first_rate, p))
         second, moved = joint_motion.turn_tensor(fixed, second), add(first, scale(mass, p))
-        shifted = Symmetric(
-            second.xx + (first[0] + moved[0]) * p[0],
-            second.yy + (first[1] + moved[1]) * p[1],
-            second.zz + (first[2] + moved[2]) * p[2],
-            second.xy + (moved[0] * p[1] + first[1] * p[0]),
-            second.xz + (moved[0] * p[2] + first[2] * p[0]),
-            second.yz + (moved[1] * p[2] + first[2] * p[1]),
-        )
+        xx, yy = second.xx + (first[0] + moved[0]) * p[0], second.yy + (first[1] + moved[1]) * p[1]
+        zz, xy = second.zz + (first[2] + moved[2]) * p[2], second.xy + (moved[0] * p[1] + first[1] * p[0])
+        xz, yz = second.xz + (moved[0] * p[2] + first[2] * p[0]), second.yz + (moved[1] * p[2] + first[2] * p[1])
+        shifted = Symmetric(xx, yy, zz, xy, xz, yz)
         # A slide moves everything with rate z: h' gains m rate z, and E gains rate z h^T.
         if not joint.revolute:
             slide = scale(rate, axis(joint))
@@ -84,24 +80,18 @@ class _Composite(Generic[S]):
         m, p, e = self.mass, self.second, self.second_rate
         if not joint.revolute:
             moment = (hz * x, hz * y, -(hx * x + hy * y))
-            return _ColumnWrench(
-                force=(m * y, -(m * x), zero),
-                moment=moment,
-                unit=(zero, zero, m),
-                eta=(hy, -hx, zero),
-                kappa=(ry - moment[0], -(rx + moment[1]), -moment[2]),
-            )
+            force, kappa = (m * y, -(m * x), zero), (ry - moment[0], -(rx + moment[1]), -moment[2])
+            return _ColumnWrench(force, moment, unit=(zero, zero, m), eta=(hy, -hx, zero), kappa=kappa)
         # f = omega x u + z x h', n = z x (-P omega) + (-E_xz, -E_yz, E_xx + E_yy); kappa is the rate of I z less n.
         swing_x = p.xx * x + p.xy * y + p.xz * z
         swing_y = p.xy * x + p.yy * y + p.yz * z
         planar = e[0][0] + e[1][1]
-        return _ColumnWrench(
-            force=(-(z * hx) - ry, rx - z * hy, x * hx + y * hy),
-            moment=(swing_y - e[0][2], -(swing_x + e[1][2]), planar),
-            unit=(-hy, hx, zero),
-            eta=(-p.xz, -p.yz, p.xx + p.yy),
-            kappa=(-(swing_y + e[2][0]), swing_x - e[2][1], planar),
+        force, moment = (
+            (-(z * hx) - ry, rx - z * hy, x * hx + y * hy),
+            (swing_y - e[0][2], -(swing_x + e[1][2]), planar),
         )
+        eta, kappa = (-p.xz, -p.yz, p.xx + p.yy), (-(swing_y + e[2][0]), swing_x - e[2][1], planar)
+        return _ColumnWrench(force, moment, (-hy, hx, zero), eta, kappa)
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,11 +166,8 @@ def _composites(chain: Chain[S], rates: Sequence[S], half: S) -> list[_Composite
         own = composites[joint.parent]
         moved = composites[k].to_parent(joint, rates[k])
         spin = vectors.hat(scale(half * joint.coupling * rates[k], axis(joint)), chain.zero)
-        composites[joint.parent] = _Composite(
-            own.mass + moved.mass,
-            add(own.first, moved.first),
-            own.second + moved.second,
-            add(own.first_rate, moved.first_rate),
-            add_matrices(own.second_rate, add_matrices(moved.second_rate, spin)),
-        )
+        mass, first = own.mass + moved.mass, add(own.first, moved.first)
+        second, first_rate = own.second + moved.second, add(own.first_rate, moved.first_rate)
+        second_rate = add_matrices(own.second_rate, add_matrices(moved.second_rate, spin))
+        composites[joint.parent] = _Composite(mass, first, second, first_rate, second_rate)
     return composites

@@ -89,13 +89,9 @@ class _Articulated(Generic[F]):
     moment: Vector[F]  # n, at no acceleration
 
     def __add__(self, other: _Articulated[F]) -> _Articulated[F]:
-        return _Articulated(
-            self.mass + other.mass,
-            vectors.add_matrices(self.coupling, other.coupling),
-            self.inertia + other.inertia,
-            add(self.force, other.force),
-            add(self.moment, other.moment),
-        )
+        mass, coupling = self.mass + other.mass, vectors.add_matrices(self.coupling, other.coupling)
+        inertia, force = self.inertia + other.inertia, add(self.force, other.force)
+        return _Articulated(mass, coupling, inertia, force, add(self.moment, other.moment))
 
     def to_parent(self, joint: ChainJoint[F]) -> _Articulated[F]:
         """In the axes, and at the origin, of joint frame i-1: H' = H + p^ M and I' = I + p^ H^T - H' p^."""
@@ -128,14 +124,10 @@ class _Articulated(Generic[F]):
         rest = (torque - generalized_force(joint, self.force, self.moment)) / pivot
         mass_left, taken = _less(self.mass, upper, up), vectors.outer(low, upper)
         # As the link before feels it: I_A - U U^T / D and p + U (tau - s . p) / D.
-        free = _Articulated(
-            mass_left,
-            (subtract(coupling[0], taken[0]), subtract(coupling[1], taken[1]), subtract(coupling[2], taken[2])),
-            _less(self.inertia, lower, low),
-            add(self.force, scale(rest, upper)),
-            add(self.moment, scale(rest, lower)),
-        )
-        return _Release(rest, up, low), free
+        x, y, z = map(subtract, coupling, taken)
+        inertia_left, force = _less(self.inertia, lower, low), add(self.force, scale(rest, upper))
+        moment = add(self.moment, scale(rest, lower))
+        return _Release(rest, up, low), _Articulated(mass_left, (x, y, z), inertia_left, force, moment)
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,11 +192,6 @@ def _releases(
 
 def _less(tensor: Symmetric[F], a: Vector[F], divided: Vector[F]) -> Symmetric[F]:
     """I - a a^T / D; what the joint's own direction meets becomes zero where ``divided[2]`` is 1."""
-    return Symmetric(
-        tensor.xx - divided[0] * a[0],
-        tensor.yy - divided[1] * a[1],
-        tensor.zz - divided[2] * a[2],
-        tensor.xy - divided[0] * a[1],
-        tensor.xz - divided[2] * a[0],
-        tensor.yz - divided[2] * a[1],
-    )
+    (x, y, z), d = a, divided
+    diagonal = (tensor.xx - d[0] * x, tensor.yy - d[1] * y, tensor.zz - d[2] * z)
+    return Symmetric(*diagonal, tensor.xy - d[0] * y, tensor.xz - d[2] * x, tensor.yz - d[2] * y)

@@ -56,14 +56,8 @@ def turn_vector(c: S, s: S, v: Vector[S]) -> Vector[S]:
 def turn_about_z(c: S, s: S, tensor: Symmetric[S]) -> Symmetric[S]:
     """Rot(z) I Rot(z)^T in eight multiplications and eight additions, using s^2 + c^2 = 1."""
     w = s * (tensor.xx - tensor.yy) + c * (tensor.xy + tensor.xy)
-    return Symmetric(
-        tensor.xx - s * w,
-        tensor.yy + s * w,
-        tensor.zz,
-        c * w - tensor.xy,
-        c * tensor.xz - s * tensor.yz,
-        s * tensor.xz + c * tensor.yz,
-    )
+    diagonal = (tensor.xx - s * w, tensor.yy + s * w, tensor.zz)
+    return Symmetric(*diagonal, c * w - tensor.xy, c * tensor.xz - s * tensor.yz, s * tensor.xz + c * tensor.yz)
 
 
 def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
@@ -71,11 +65,8 @@ def turn_matrix(c: S, s: S, m: Matrix[S]) -> Matrix[S]:
     w = s * (m[0][0] - m[1][1]) + c * (m[0][1] + m[1][0])
     right = (c * m[0][2] - s * m[1][2], s * m[0][2] + c * m[1][2])
     below = (c * m[2][0] - s * m[2][1], s * m[2][0] + c * m[2][1])
-    return (
-        (m[0][0] - s * w, c * w - m[1][0], right[0]),
-        (c * w - m[0][1], m[1][1] + s * w, right[1]),
-        (below[0], below[1], m[2][2]),
-    )
+    first = (m[0][0] - s * w, c * w - m[1][0], right[0])
+    return first, (c * w - m[0][1], m[1][1] + s * w, right[1]), (below[0], below[1], m[2][2])
 
 
 def turn_tensor(rotation: Matrix[S], tensor: Symmetric[S]) -> Symmetric[S]:
@@ -101,14 +92,9 @@ def shift(mass: S, moment: Vector[S], tensor: Symmetric[S], p: Vector[S]) -> Sym
     """
     moved = add(moment, scale(mass, p))
     a, b, c = (moment[k] * p[k] + moved[k] * p[k] for k in range(3))
-    return Symmetric(
-        tensor.xx + (b + c),
-        tensor.yy + (a + c),
-        tensor.zz + (a + b),
-        tensor.xy - (moved[0] * p[1] + moment[1] * p[0]),
-        tensor.xz - (moved[0] * p[2] + moment[2] * p[0]),
-        tensor.yz - (moved[1] * p[2] + moment[2] * p[1]),
-    )
+    diagonal = (tensor.xx + (b + c), tensor.yy + (a + c), tensor.zz + (a + b))
+    xy, xz = tensor.xy - (moved[0] * p[1] + moment[1] * p[0]), tensor.xz - (moved[0] * p[2] + moment[2] * p[0])
+    return Symmetric(*diagonal, xy, xz, tensor.yz - (moved[1] * p[2] + moment[2] * p[1]))
 
 
 def body_to_parent(joint: ChainJoint[S], body: Body[S]) -> Body[S]:

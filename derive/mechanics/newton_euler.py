@@ -98,12 +98,8 @@ def angular_acceleration_tensor(
     xy, xz, yz = x * y, x * z, y * z
     if third is None:
         third = (xz + alpha[1], yz - alpha[0], -(xx + yy))
-    tensor = (
-        (-(yy + zz), xy - alpha[2], third[0]),
-        (xy + alpha[2], -(xx + zz), third[1]),
-        (xz - alpha[1], yz + alpha[0], -(xx + yy)),
-    )
-    return tensor, (zz - yy, xx - zz, yy - xx)
+    first, second = (-(yy + zz), xy - alpha[2], third[0]), (xy + alpha[2], -(xx + zz), third[1])
+    return (first, second, (xz - alpha[1], yz + alpha[0], -(xx + yy))), (zz - yy, xx - zz, yy - xx)
 
 
 def _beyond_revolute(

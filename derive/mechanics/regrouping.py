@@ -52,9 +52,8 @@ def regroup(chain: Chain[S], rules: Sequence[Rule] = (), half: S | None = None) 
             bodies[before] = bodies[before] + moved
         else:
             ground = ground + moved
-    return replace(
-        chain, bodies=tuple(bodies), ground=ground, axial=tuple(axial) if any(rule.axial for rule in rules) else ()
-    )
+    masses = tuple(axial) if any(rule.axial for rule in rules) else ()
+    return replace(chain, bodies=tuple(bodies), ground=ground, axial=masses)
 
 
 def _massless(chain: Chain[S]) -> Body[S]:

@@ -82,11 +82,8 @@ class _MovingBody(Generic[S]):
         force = add(add(scale(body.mass, a_z), cross(zddot, h)), cross(twice, hdot))
         x, y, _ = twice
         # 2 D zdot with D = tr(E) 1 - E; the third component of zdot is zero.
-        spread = (
-            (e[1][1] + e[2][2]) * x - e[0][1] * y,
-            (e[0][0] + e[2][2]) * y - e[1][0] * x,
-            -(e[2][0] * x + e[2][1] * y),
-        )
+        first = (e[1][1] + e[2][2]) * x - e[0][1] * y
+        spread = (first, (e[0][0] + e[2][2]) * y - e[1][0] * x, -(e[2][0] * x + e[2][1] * y))
         # dn = h x (a x z) + I zddot + 2 D zdot; delta = D^T z
         moment = add(add(cross(h, a_z), multiply(body.inertia.matrix, zddot)), spread)
         return _Response(force, moment, unit, eta, (-e[2][0], -e[2][1], e[0][0] + e[1][1]))
@@ -191,11 +188,9 @@ def _moving_composites(
         inner, omega = bodies[joint.parent], omegas[joint.parent + 1]
         spin = vectors.hat(scale(half * joint.coupling * rates[i], axis(joint)), chain.zero)
         moved = bodies[i].to_parent(joint, _origin_rate(joint, omega, rates[i]))
-        bodies[joint.parent] = _MovingBody(
-            inner.body + moved.body,
-            add(inner.first_rate, moved.first_rate),
-            add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin),
-        )
+        body, first = inner.body + moved.body, add(inner.first_rate, moved.first_rate)
+        second = add_matrices(add_matrices(inner.second_rate, moved.second_rate), spin)
+        bodies[joint.parent] = _MovingBody(body, first, second)
     return bodies
 
 

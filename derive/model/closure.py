@@ -308,9 +308,7 @@ class OnClosure:
                 for name, value in found:
                     equation = substitute(equation, {name: value})
                 whole = sympy.expand(sympy.numer(sympy.together(expression_to_sympy(equation))))
-                parts = (
-                    (x, factor, sympy.expand(whole - factor * x)) for x in known if (factor := whole.coeff(x)) != 0
-                )
+                parts = ((x, slope, sympy.expand(whole - slope * x)) for x in known if (slope := whole.coeff(x)) != 0)
                 linear = [(x, factor, rest) for x, factor, rest in parts if not (factor.has(x) or rest.has(x))]
                 if linear:
                     x, below, rest = min(linear, key=lambda part: sympy.count_ops(part[1]))

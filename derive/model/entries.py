@@ -306,11 +306,8 @@ class ModelEntries:
         """The equation of motion of joint i [N m or N], not collected: B qdd + c qd qd + g + friction."""
         qd, qdd = self.model.qd, self.model.qdd
         inertia = (self.B.entry(i, j) * qdd[j - 1] for j in self._joints)
-        velocity = (
-            (1 if j == k else 2) * self.christoffel(i, j, k).entry(1, 1) * qd[j - 1] * qd[k - 1]
-            for row, j, k in self.triples
-            if row == i
-        )
+        pairs = ((j, k, self.christoffel(i, j, k).entry(1, 1)) for row, j, k in self.triples if row == i)
+        velocity = ((1 if j == k else 2) * c * qd[j - 1] * qd[k - 1] for j, k, c in pairs)
         return sympy.Add(*inertia, *velocity, self.g.entry(i, 1), self.friction(i))
 
     def friction(self, i: int) -> Expr:

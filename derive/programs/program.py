@@ -144,7 +144,7 @@ class Inverse:
     # (`derive.programs.inverse`).
     function: Function
     # Its tape takes a configuration, a pose and a damping; its outputs are a configuration that is nearer to the
-    # pose, how far the first one is from it, and the unit of length (`derive.programs.newton_step`).
+    # pose, how far the first one is from it, and the unit of length (`derive.programs.inverse`).
     step: Function
     branches: int  # how many there are
     joints: int  # number of joints

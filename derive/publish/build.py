@@ -257,11 +257,10 @@ def require_distinct(robots: Iterable[Robot]) -> None:
     seen: dict[str, Robot] = {}
     for robot in robots:
         if (other := seen.setdefault(package_name(robot), robot)).digest != robot.digest:
-            raise OutputError(
-                f"{other.source or other.name} and {robot.source or robot.name} have the same name {robot.name!r}",
-                allowed="robots that are built into one folder have different names",
-                remedy="change `name:` in one of the files, or build them with different --out",
-            )
+            both = f"{other.source or other.name} and {robot.source or robot.name}"
+            allowed = "robots that are built into one folder have different names"
+            remedy = "change `name:` in one of the files, or build them with different --out"
+            raise OutputError(f"{both} have the same name {robot.name!r}", allowed=allowed, remedy=remedy)
 
 
 def for_each(

@@ -21,13 +21,7 @@ def _sheet(source: Source) -> dict[str, str]:
     return generated_sheet(source.robot)
 
 
-LATEX = Target(
-    name="latex",
-    summary="the equations as a sheet to print, for pdflatex",
-    files=("sheet.tex",),
-    render=_sheet,
-    needs_program=False,
-)
+LATEX = Target("latex", "the equations as a sheet to print, for pdflatex", ("sheet.tex",), _sheet, needs_program=False)
 
 # By name, in the order in which they are written.
 TARGETS: dict[str, Target] = {

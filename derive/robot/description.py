@@ -412,7 +412,5 @@ def coupling(robot: Description, scalar: Callable[[Expression], Any] = lambda fa
 
 def projected(values: Sequence[Any], matrix: Sequence[Sequence[Any]], zero: Any) -> list[Any]:
     """S^T v: what joints feel, as the variables feel it."""
-    return [
-        sum((row[k] * value for row, value in zip(matrix, values, strict=True) if row[k]), zero)
-        for k in range(len(matrix[0]))
-    ]
+    pairs = list(zip(matrix, values, strict=True))
+    return [sum((row[k] * value for row, value in pairs if row[k]), zero) for k in range(len(matrix[0]))]

@@ -52,13 +52,9 @@ def standard_parameters(robot: Robot) -> tuple[Parameter, ...]:
     """The columns of the standard regressor (Siciliano et al., Robotics, section 7.2.2)."""
     found = []
     for i, link in enumerate(robot.links, start=1):
-        given = {
-            "mm": link.motor is not None,
-            "Im": link.motor is not None,
-            "Ia": link.armature != ZERO,
-            "b": link.viscous != ZERO,
-            **dict.fromkeys(coulomb_parts(link), link.coulomb != ZERO),
-        }
+        given = {"Ia": link.armature != ZERO, "b": link.viscous != ZERO}
+        given |= dict.fromkeys(("mm", "Im"), link.motor is not None)
+        given |= dict.fromkeys(coulomb_parts(link), link.coulomb != ZERO)
         found += [Parameter(i, part) for part in LINK_PARTS]
         found += [Parameter(i, part) for part in JOINT_PARTS if given.get(part)]
     return tuple(found)

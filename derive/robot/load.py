@@ -89,11 +89,8 @@ def description_from_bytes(data: bytes, source: str) -> Description:
     """Load a robot from the bytes of a file."""
     document = read_document(data, source if source.isprintable() else quoted(source, 200))
     check_structure(document)
-    units = FileUnits(
-        degrees=document.text("units", "angle") == "deg",
-        millimetres=document.text("units", "length") == "mm",
-        parameters=document.text("units", "parameters") == "file",
-    )
+    others = (("angle", "deg"), ("length", "mm"), ("parameters", "file"))  # than in the robot itself
+    units = FileUnits(*(document.text("units", key) == word for key, word in others))
     cells = Cells(document, units)
     table = read_table(document, cells)
     name, parameters = _name(document), _parameters(document)

@@ -259,12 +259,9 @@ def require_own_variables(robot: Description, what: str, location: Location | No
     kind, how = "coupled joints", "whose joints are coupled"
     if robot.passive:
         kind, how = "closed loops", "which has closed loops"
-    raise QuantityError(
-        f"{what} of {robot.name}, {how}",
-        allowed="allowed: robots of which each joint has its own variable",
-        remedy=f"derive show and derive build take {kind}; for the rest write a table without them",
-        location=location,
-    )
+    found, allowed = f"{what} of {robot.name}, {how}", "allowed: robots of which each joint has its own variable"
+    remedy = f"derive show and derive build take {kind}; for the rest write a table without them"
+    raise QuantityError(found, allowed=allowed, remedy=remedy, location=location)
 
 
 def require_chain(robot: Description, what: str, location: Location | None = None) -> None:
@@ -274,20 +271,15 @@ def require_chain(robot: Description, what: str, location: Location | None = Non
         return
     names = [end.name for end in robot.ends if end.name]
     to = f"to one of {listed(names)}" if len(names) > 1 else "to its end"
-    raise QuantityError(
-        f"{what} of {robot.name}, whose table is a tree",
-        allowed="allowed: robots of one chain",
-        remedy=f"derive show and derive build take trees; for the rest write a robot file of the serial arm {to}",
-        location=location,
-    )
+    found, allowed = f"{what} of {robot.name}, whose table is a tree", "allowed: robots of one chain"
+    remedy = f"derive show and derive build take trees; for the rest write a robot file of the serial arm {to}"
+    raise QuantityError(found, allowed=allowed, remedy=remedy, location=location)
 
 
 def root_rows(root: Root) -> tuple[tuple[Joint, ...], FixedRow]:
     """The rows of a root that moves, in either convention, and the row `BASE` that stands on it."""
     *steps, back = _ROOT_MOUNTS[root.type]
     befores = ("", *root.variables)  # the first row stands on frame 0, which no label means any more
-    rows = tuple(
-        Joint(kind, variable, 1, ZERO, ZERO, ZERO, ZERO, stand=Stand(before, mount))
-        for (kind, mount), variable, before in zip(steps, root.variables, befores, strict=False)
-    )
+    placed = zip(steps, root.variables, befores, strict=False)
+    rows = tuple(Joint(kind, q, 1, ZERO, ZERO, ZERO, ZERO, stand=Stand(at, mount)) for (kind, mount), q, at in placed)
     return rows, FixedRow(BASE, Stand(befores[-1], back[1]), link=root.link)

@@ -102,10 +102,8 @@ def _evaluated(function: Function, joints: int, parameters: int) -> tuple[list[s
 
     names = [*(name for name in function.arguments if name != NEAR), *(["params"] if parameters else [])]
     inputs = [casadi.SX.sym(name, parameters if name == "params" else function.width(name, joints)) for name in names]
-    entries = {
-        PARAMETER if name == "params" else name: casadi.vertsplit(column)
-        for name, column in zip(names, inputs, strict=True)
-    }
+    kinds = [PARAMETER if name == "params" else name for name in names]
+    entries = dict(zip(kinds, map(casadi.vertsplit, inputs), strict=True))
     entries[NEAR] = [casadi.SX(0)] * joints  # where joints are free, they are zero
     arithmetic = {name: getattr(casadi, NAMES[op]) for op, name in ALL_NAMES.items()}
     arithmetic["number"] = lambda value: casadi.SX(to_float(value))

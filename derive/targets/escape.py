@@ -63,10 +63,8 @@ _C_RESERVED = re.compile(r"(is|mem|str|to|wcs)[a-z]|[0-9_]")
 def one_line(text: str) -> str:
     """Text without anything that moves or hides other text; as it is, for a comment of MATLAB."""
     hidden = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")
-    return "".join(
-        f"<U+{ord(character):04X}>" if unicodedata.category(character) in hidden else character
-        for character in " ".join(text.split())
-    )
+    plain = " ".join(text.split())
+    return "".join(f"<U+{ord(c):04X}>" if unicodedata.category(c) in hidden else c for c in plain)
 
 
 def python_string(text: str) -> str:
@@ -117,11 +115,8 @@ def html_text(text: str) -> str:
 
 def xml_text(text: str) -> str:
     """Text for an XML element or a quoted attribute."""
-    return re.sub(
-        "[\ud800-\udfff\ufffe\uffff]",
-        "\N{REPLACEMENT CHARACTER}",
-        html.escape(text, quote=False).replace('"', "&quot;"),
-    )
+    escaped = html.escape(text, quote=False).replace('"', "&quot;")
+    return re.sub("[\ud800-\udfff\ufffe\uffff]", "\N{REPLACEMENT CHARACTER}", escaped)
 
 
 def javascript_string(text: str) -> str:

@@ -15,6 +15,7 @@ CASE, SUM, PRODUCT, ATOM = 0, 1, 2, 3  # how tightly the outermost operation of 
 TRIGONOMETRIC = {Op.SINE: "s", Op.COSINE: "c"}  # letters of the names that sines and cosines get
 _INLINE_WIDTH = 52  # longest value, in characters, that is written inside another one
 LINE_WIDTH = 104  # longest line of a list of values or names
+_C_NAMES = {Op.ARCTANGENT: "arctangent", Op.ABSOLUTE: "fabs"}
 _MATLAB_NAMES = {Op.ROOT: "root", Op.MAXIMUM: "max", Op.MINIMUM: "min", Op.ABSOLUTE: "abs"}
 
 
@@ -81,11 +82,7 @@ JAVASCRIPT = Language("const {name} = {value};")  # numbers, with ``sin``, ``cos
 # MATLAB and Octave: rows of numbers, one for each configuration; ``less``, ``select`` and a real ``root`` are ours.
 OCTAVE = Language("{name} = {value};", times=".*", over="./", names=ALL_NAMES | _MATLAB_NAMES)
 # C: doubles, with ``sin``, ``cos``, ``sqrt`` and ``fabs`` of <math.h> and a ``sign`` and the like of our own.
-C = Language(
-    "const double {name} = {value};",
-    has_choice=True,
-    names=ALL_NAMES | {Op.ARCTANGENT: "arctangent", Op.ABSOLUTE: "fabs"},
-)
+C = Language("const double {name} = {value};", has_choice=True, names=ALL_NAMES | _C_NAMES)
 
 
 def input_name(source: InputSource, parameters: Sequence[str]) -> str:
@@ -150,10 +147,8 @@ def write_kernel(tape: Tape, language: Language, parameters: Sequence[str]) -> K
         elif node.op in TRIGONOMETRIC:
             angle = tape.nodes[node.operands[0]].source
             names[i] = f"{TRIGONOMETRIC[node.op]}{angle.index + 1}" if angle and angle.kind == "q" else ""
-    layers = {
-        layer: [i for i, node in enumerate(tape.nodes) if node.layer is layer and node.op not in LEAVES]
-        for layer in (Layer.HOISTED, Layer.BODY)
-    }
+    computed = [(i, node.layer) for i, node in enumerate(tape.nodes) if node.op not in LEAVES]
+    layers = {layer: [i for i, own in computed if own is layer] for layer in (Layer.HOISTED, Layer.BODY)}
     free_names = (f"t{k}" for k in count(1))  # ``t1``, ``t2``, ...
     hoisted = write_statements(tape, language, layers[Layer.HOISTED], pieces, free_names, names)
     crossing = tape.hoisted_results

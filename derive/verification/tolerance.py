@@ -185,11 +185,8 @@ def regressor_size(limits: Bounds, known: Identification, function: str, motion:
     pull = limits.reach * spin + slide + np.linalg.norm(arm.gravity)
     lever = np.where(arm.revolute, limits.reach, 1.0)
     ratio = np.abs(arm.ratio)
-    of_link = {
-        "mass": lever * pull,
-        "first moment": np.where(arm.revolute, pull, 0.0) + lever * spin,
-        "inertia": np.full(arm.n, spin),
-    }
+    moment = np.where(arm.revolute, pull, 0.0) + lever * spin
+    of_link = {"mass": lever * pull, "first moment": moment, "inertia": np.full(arm.n, spin)}
     of_joint = dict.fromkeys(("f", "fp", "fm"), np.ones(arm.n))
     of_joint |= {"Im": ratio**2 * acceleration, "Ia": acceleration, "b": rate}
     columns = []

@@ -57,14 +57,8 @@ class Report:
 
     def as_dict(self) -> dict[str, object]:
         """Plain data, for JSON."""
-        return {
-            "robot": self.robot,
-            "seed": self.seed,
-            "tolerance": TOLERANCE,
-            "worst": self.worst,
-            "left_out": list(self.left_out),
-            "rows": [asdict(row) for row in self.rows],
-        }
+        found = {"worst": self.worst, "left_out": list(self.left_out), "rows": [asdict(row) for row in self.rows]}
+        return {"robot": self.robot, "seed": self.seed, "tolerance": TOLERANCE, **found}
 
     @property
     def reasons(self) -> tuple[str, ...]:

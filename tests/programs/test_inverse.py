@@ -13,12 +13,11 @@ from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.solve import solve
 from derive.programs.formulations.trace import Trace
 from derive.programs.inverse import FRAME_ENTRIES, Mask, around, inverse_function, solved
-from derive.programs.newton_step import least_squares
 from derive.programs.program import DAMPING, NEAR, POSE, Function, Inverse, InverseSearch
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import ONE, ZERO, Graph
 from derive.programs.tape.tape import PARAMETER, Op, evaluate
-from derive.programs.tape.value import Value
+from derive.programs.tape.value import Value, least_squares
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.options.inverse import ROWS, Task

@@ -64,12 +64,9 @@ def read_urdf(data: bytes, source: str) -> Urdf:
     """Read a URDF."""
     root, notes = _parsed(data, source)
     if root.tag != "robot":
-        raise RobotFileError(
-            f"the outermost element is {quoted(str(root.tag))}",
-            allowed="allowed: robot",
-            remedy="give a URDF, or an MJCF with --tree; a xacro file is read where its name ends with .xacro",
-            location=Location(source, root.sourceline or 1),
-        )
+        found, place = f"the outermost element is {quoted(str(root.tag))}", Location(source, root.sourceline or 1)
+        remedy = "give a URDF, or an MJCF with --tree; a xacro file is read where its name ends with .xacro"
+        raise RobotFileError(found, allowed="allowed: robot", remedy=remedy, location=place)
     reader = _UrdfReader(source, root.get("version", VERSIONS[0]))
     if reader.version not in VERSIONS:
         found = f"version {quoted(reader.version)} of URDF"

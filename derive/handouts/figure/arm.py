@@ -254,8 +254,5 @@ def _draw_ends(paper: Paper, view: View, scene: Scene, pose: Array, scale: float
 
 
 def _along(line: Points, parts: int) -> list[Point]:
-    return [
-        ((1 - k / parts) * a[0] + k / parts * b[0], (1 - k / parts) * a[1] + k / parts * b[1])
-        for a, b in pairwise(line)
-        for k in range(parts + 1)
-    ]
+    shares = [k / parts for k in range(parts + 1)]
+    return [((1 - t) * a[0] + t * b[0], (1 - t) * a[1] + t * b[1]) for a, b in pairwise(line) for t in shares]

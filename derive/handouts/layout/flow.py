@@ -144,12 +144,9 @@ class MatrixEquation:
         """Each entry that is not zero as an equation; of a symmetric matrix those above the diagonal alone."""
         names = "({})_{{{}}}" if len(self.cells[0]) == 1 else "({})_{{{}{}{}}}"
         comma = "," if max(len(self.cells), len(self.cells[0])) > 9 else ""
-        return [
-            f"{names.format(self.symbol, i, comma, j)} = {cell}"
-            for i, row in enumerate(self.cells, 1)
-            for j, cell in enumerate(row, 1)
-            if cell != "0" and not (self.is_symmetric and i > j)
-        ]
+        cells = ((i, j, cell) for i, row in enumerate(self.cells, 1) for j, cell in enumerate(row, 1) if cell != "0")
+        shown = ((i, j, cell) for i, j, cell in cells if i <= j or not self.is_symmetric)
+        return [f"{names.format(self.symbol, i, comma, j)} = {cell}" for i, j, cell in shown]
 
 
 def matrix_equation(equation: str) -> MatrixEquation | None:

@@ -89,11 +89,8 @@ class Layouter:
         self, symbol: Box, name: Namer, quantity: Entries, *, group: int = 0, symmetric: bool = False, limit: int = 0
     ) -> LaidOut:
         """One matrix: in brackets if it fits, else entry by entry."""
-        items = {
-            (i, j): Item(name(i, j), quantity.terms(i, j), partial(quantity.entry, i, j))
-            for i, j in quantity.places
-            if i <= j or not symmetric
-        }
+        places = [(i, j) for i, j in quantity.places if i <= j or not symmetric]
+        items = {at: Item(name(*at), quantity.terms(*at), partial(quantity.entry, *at)) for at in places}
         # In brackets only where no page is too narrow for certain: expressions are written and measured for it.
         if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
             boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}

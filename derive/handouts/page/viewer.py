@@ -180,10 +180,8 @@ def html_symbol(latex: str) -> str:
 
 def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notation) -> dict[str, object]:
     """Texts of the controls of the target: its coordinates, those that stay, and the branches."""
-    axes = [
-        {"name": axis, "fixed": dragged.normal is not None and abs(dragged.normal[k]) > 1.0 - 1e-9}
-        for k, axis in enumerate("xyz")
-    ]
+    across = (0.0, 0.0, 0.0) if dragged.normal is None else dragged.normal
+    axes = [{"name": axis, "fixed": bool(abs(part) > 1.0 - 1e-9)} for axis, part in zip("xyz", across, strict=True)]
 
     plain = lambda tex: "".join(run.text for run in label_runs(tex)).strip()  # noqa: E731
     words = (html_text(branch_name(text, notation, name, plain)) for name in names)

@@ -116,10 +116,8 @@ def unicode_name(latex: str) -> str:
 
 
 def _words(text: str) -> str:
-    parts = []
-    for mark, part in sheet.spans(text):
-        parts.append(formula(part) if mark == "$" else f"<code>{html_text(part)}</code>" if mark else html_text(part))
-    return "".join(parts)
+    write = {"$": formula, "`": lambda part: f"<code>{html_text(part)}</code>", "": html_text}
+    return "".join(write[mark](part) for mark, part in sheet.spans(text))
 
 
 def _blocks(blocks: Iterable[sheet.Block], _: Text) -> str:

@@ -195,10 +195,8 @@ def _contributions(context: Context) -> Iterator[Block]:
     of_links = _("Every link adds its own part, made of its mass, its inertia and its Jacobians.")
     yield Paragraph(of_both if rotors else of_links)
     yield textbook("inertia_matrix", B=letter, rotors=rotors)
-    items = (
-        (body.symbol(letter), context.entries.inertia_part(body.index, body.is_rotor), Group.body(body.place, 0))
-        for body in bodies(context.robot)
-    )
+    part = context.entries.inertia_part
+    items = ((b.symbol(letter), part(b.index, b.is_rotor), Group.body(b.place, 0)) for b in bodies(context.robot))
     yield from body_formulas(context, items, symmetric=True)
     armatures = []
     for i, link in enumerate(context.robot.links, 1):

@@ -117,11 +117,8 @@ def _apart(a: Sequence[float], b: Sequence[float]) -> float:
 def _assumed(context: Context, poses: RobotPoses) -> str:
     """The numbers of symbols that have none among the parameters of the robot file."""
     free, data = free_symbols(context.robot), context.data
-    written = [
-        f"${data.notation.glyph(name).box.tex.strip()} = {joined(data.symbol(name, cell)).tex}$"
-        for name, cell in context.robot.figure.values
-        if name in free
-    ]
+    cells, glyph = [pair for pair in context.robot.figure.values if pair[0] in free], data.notation.glyph
+    written = [f"${glyph(name).box.tex.strip()} = {joined(data.symbol(name, cell)).tex}$" for name, cell in cells]
     written += [stated_values(context, poses.assumed)] if poses.assumed else []
     return context.text.listing(written)
 

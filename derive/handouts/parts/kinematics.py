@@ -257,11 +257,8 @@ def _angles(
     values = [quantity.entry(i, 1) for i in (1, 2, 3)]
     written = [Equation(name, tuple(context.printer.pieces(v))) for name, v in zip(names, values, strict=True)]
     yield context.paragraph("For this arm:")
-    laid_out = LaidOut(
-        tuple(equation_lines(written)),
-        values=tuple(zip(names, values, strict=True)),
-        blanks=tuple(name.tex for name in names),
-    )
+    blanks = tuple(name.tex for name in names)
+    laid_out = LaidOut(tuple(equation_lines(written)), values=tuple(zip(names, values, strict=True)), blanks=blanks)
     yield formula(context, laid_out, task=task)
 
 

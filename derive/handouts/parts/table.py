@@ -170,10 +170,8 @@ def table_rows(context: Context) -> Iterator[Block]:
         yield Rows(tuple(line for own in lines for line in own))
         return
     header += [*(f"${name}$" for name in names), *([_("limits")] if has_limits else [])]
-    cells = tuple(
-        (*head, *(f"${box.tex.strip()}$" if box.tex else "" for box in row))
-        for head, row in zip(heads, boxes, strict=True)
-    )
+    texts = ([f"${box.tex.strip()}$" if box.tex else "" for box in row] for row in boxes)
+    cells = tuple((*head, *row) for head, row in zip(heads, texts, strict=True))
     yield Table(tuple(header), cells, len(rows) > _LONGEST_TABLE)
 
 

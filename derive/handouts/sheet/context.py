@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property
-from itertools import groupby
+from itertools import chain, groupby
 
 import sympy
 
@@ -189,11 +189,8 @@ def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> Lai
 
 def side_by_side(items: Sequence[LaidOut]) -> LaidOut:
     """Small matrices that share lines, as one quantity."""
-    return LaidOut(
-        tuple(pack(item.box for item in items)),
-        values=tuple(value for item in items for value in item.values),
-        blanks=tuple(blank for item in items for blank in item.blanks),
-    )
+    values, blanks = (tuple(chain.from_iterable(getattr(item, key) for item in items)) for key in ("values", "blanks"))
+    return LaidOut(tuple(pack(item.box for item in items)), values=values, blanks=blanks)
 
 
 def in_rows(quantities: Iterable[LaidOut]) -> Iterator[LaidOut]:
@@ -210,11 +207,8 @@ def body_formulas(
     context: Context, items: Iterable[BodyItem], task: str = "", *, symmetric: bool = False
 ) -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    quantities = (
-        small(context, symbol, quantity, entry_namer(symbol))
-        or context.dynamics.body(symbol, quantity, group, symmetric)
-        for symbol, quantity, group in items
-    )
+    body = context.dynamics.body
+    quantities = (small(context, s, q, entry_namer(s)) or body(s, q, group, symmetric) for s, q, group in items)
     for laid_out in in_rows(quantities):
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out, task=task), omitted=())

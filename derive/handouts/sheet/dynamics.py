@@ -111,13 +111,8 @@ class DynamicsLayout:
             size = sum(self.entries.christoffel(*term.triple).terms(1, 1) for term in terms)
             if size <= self.layouter.policy.flat_terms:
                 values.append((namer(*place), self.entries.rate_value(terms)))
-        return LaidOut(
-            tuple(equation_lines(equations)),
-            by_entry=True,
-            has_zeros=len(equations) < n**2,
-            values=tuple(values),
-            blanks=(self._rate_symbol(name).tex,),
-        )
+        lines, blanks = tuple(equation_lines(equations)), (self._rate_symbol(name).tex,)
+        return LaidOut(lines, by_entry=True, has_zeros=len(equations) < n**2, values=tuple(values), blanks=blanks)
 
     def named_torque(self) -> LaidOut:
         """Each equation of motion by entries of B, Christoffel symbols, g and friction."""
@@ -144,11 +139,8 @@ class DynamicsLayout:
             pieces = (*(_signed_sum(terms) if terms or not friction else ()), *friction)
             lines += break_lines(equated(names[i]), pieces)
         short = [i for i in joints if entries.tau.terms(i, 1) <= self.layouter.policy.flat_terms]
-        return LaidOut(
-            tuple(lines),
-            values=tuple((names[i], entries.torque_value(i)) for i in short),
-            blanks=tuple(name.tex for name in names.values()),
-        )
+        values = tuple((names[i], entries.torque_value(i)) for i in short)
+        return LaidOut(tuple(lines), values=values, blanks=tuple(name.tex for name in names.values()))
 
     @cached_property
     def _rates(self) -> dict[int, Glyph]:

@@ -47,11 +47,9 @@ def text_for(language: str, folder: Traversable | None = None) -> Text:
     if (code := language if language in known else language.partition("_")[0]) == ENGLISH:
         return Text(language)
     if code not in known:
-        raise TargetError(
-            f"no message catalogue for the language {quoted(language)}",
-            allowed=f"allowed: {listed(known)}",
-            remedy=near_miss(language, known) or "a new language is one file in derive/handouts/locale",
-        )
+        found = f"no message catalogue for the language {quoted(language)}"
+        remedy = near_miss(language, known) or "a new language is one file in derive/handouts/locale"
+        raise TargetError(found, allowed=f"allowed: {listed(known)}", remedy=remedy)
     try:
         from babel.core import Locale, UnknownLocaleError
         from babel.messages.pofile import PoFileError, read_po

@@ -297,11 +297,9 @@ def _lines(f: Field[N, M], unit: Sequence[N]) -> tuple[Vector[N], Vector[N]]:
     x = _far_root(f, linear, determinant)
     a, c, g = a + x, c + x, g - x
     # the adjugate of a pair of lines is minus the square of their common point
-    adjugate: tuple[Vector[N], Vector[N], Vector[N]] = (
-        (c * g - e * e, d * e - b * g, b * e - c * d),
-        (d * e - b * g, a * g - d * d, b * d - a * e),
-        (b * e - c * d, b * d - a * e, a * c - b * b),
-    )
+    first = (c * g - e * e, d * e - b * g, b * e - c * d)
+    second, cross, third = a * g - d * d, b * d - a * e, a * c - b * b
+    adjugate: tuple[Vector[N], ...] = (first, (first[1], second, cross), (first[2], cross, third))
     # The longest column of the adjugate, divided by its root: the lines' common point (u, v, w).
     place, row = -adjugate[0][0], adjugate[0]
     for i in (1, 2):

@@ -214,11 +214,8 @@ class _System:
         """What vanishes where the vector is one of products."""
         keys = list(entries)
         for axis, joint in enumerate(self.others):
-            lines = [
-                [entries[(*key[:axis], k, *key[axis + 1 :])] for k in range(self.shape[axis])]
-                for key in keys
-                if not key[axis]
-            ]
+            ends = ((key[:axis], key[axis + 1 :]) for key in keys if not key[axis])
+            lines = [[entries[(*head, k, *tail)] for k in range(self.shape[axis])] for head, tail in ends]
             # Rank 1: all lines along an axis are parallel, 2 x 2 minors vanish.
             for line, other in pairwise(lines):
                 yield from (line[0] * other[j] - line[j] * other[0] for j in range(1, len(line)))

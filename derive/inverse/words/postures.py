@@ -100,11 +100,8 @@ class Shape:
 
     def words(self, arm: Placed) -> tuple[str | None, ...]:
         """What is said of shoulder, elbow, slides and wrist; None where nothing can be said."""
-        slides = [
-            f"{joint.variable} {'>' if value > 0 else '<'} 0"
-            for joint, value in zip(self._robot.joints, arm.q, strict=True)
-            if not joint.is_revolute
-        ]
+        pairs = zip(self._robot.joints, arm.q, strict=True)
+        slides = [f"{joint.variable} {'>' if x > 0 else '<'} 0" for joint, x in pairs if not joint.is_revolute]
         wrist = None
         if self.wrist is not None:
             before, middle, behind = arm.axes[self.wrist - 1 : self.wrist + 2]
@@ -113,10 +110,8 @@ class Shape:
 
     def signs(self, arm: Placed) -> tuple[str | None, ...]:
         """On which side of zero each joint angle is, for branches that words do not tell apart."""
-        return tuple(
-            f"{joint.variable} {'>' if np.sin(value) > 0 else '<'} 0" if joint.is_revolute else None
-            for joint, value in zip(self._robot.joints, arm.q, strict=True)
-        )
+        pairs = zip(self._robot.joints, arm.q, strict=True)
+        return tuple(f"{j.variable} {'>' if np.sin(x) > 0 else '<'} 0" if j.is_revolute else None for j, x in pairs)
 
     def _centre(self, arm: Placed) -> Vector:
         """The centre of the wrist, or the end effector."""

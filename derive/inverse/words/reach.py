@@ -91,12 +91,9 @@ class Reach:
         for choice in product((1.0, -1.0), repeat=len(signs)):
             own = with_lines({**known, **dict(zip(signs, map(np.float64, choice), strict=True))}, self.names)
             with np.errstate(invalid="ignore"):
-                sides = [
-                    sign * (array_value(bound.quantity, own) - array_value(end, own))
-                    for bound in self.bounds
-                    for end, sign in ((bound.least, 1.0), (bound.most, -1.0))
-                    if end is not None
-                ]
+                ends = ((b.quantity, *end) for b in self.bounds for end in ((b.least, 1.0), (b.most, -1.0)))
+                gaps = ((array_value(x, own) - array_value(end, own), sign) for x, end, sign in ends if end is not None)
+                sides = [sign * gap for gap, sign in gaps]
             found.append(tuple(np.broadcast_to(side, len(poses)) for side in sides))
         return found
 

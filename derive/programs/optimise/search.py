@@ -192,11 +192,8 @@ class Circle:
             for v, d in network.definition.items()
             if isinstance(d, Opaque) and d.op in _OTHER
         }
-        self.partner = {
-            variable: functions[angle, _OTHER[op]]
-            for (angle, op), variable in functions.items()
-            if (angle, _OTHER[op]) in functions
-        }
+        others = ((v, (angle, _OTHER[op])) for (angle, op), v in functions.items())
+        self.partner = {v: functions[other] for v, other in others if other in functions}
 
     def without(self, polynomial: Polynomial, variable: int) -> Polynomial:
         """A polynomial with every square of a sine or cosine replaced by one less the other square."""

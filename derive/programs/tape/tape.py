@@ -65,14 +65,8 @@ additions, so one more pair must save many of them.
 
 # What languages call the functions that every program may use.
 FUNCTION_NAMES = {Op.SINE: "sin", Op.COSINE: "cos", Op.ROOT: "sqrt", Op.SIGN: "sign"}
-BRANCHING_NAMES = {
-    Op.ARCTANGENT: "atan2",
-    Op.LESS: "less",
-    Op.SELECT: "select",
-    Op.MAXIMUM: "maximum",
-    Op.MINIMUM: "minimum",
-    Op.ABSOLUTE: "absolute",
-}
+_CASES = (Op.LESS, Op.SELECT, Op.MAXIMUM, Op.MINIMUM)
+BRANCHING_NAMES = {Op.ARCTANGENT: "atan2"} | {op: op.name.lower() for op in (*_CASES, Op.ABSOLUTE)}
 """What languages call the functions of programs that tell cases apart.
 
 `less` is 1 or 0, and so is what says which case holds: products and maxima of such are *and* and *or*.
@@ -161,7 +155,7 @@ _COUNTED = {
     "cos": (Op.COSINE,),
     "sqrt": (Op.ROOT,),
     "atan2": (Op.ARCTANGENT,),
-    "cases": (Op.LESS, Op.SELECT, Op.MAXIMUM, Op.MINIMUM),
+    "cases": _CASES,
 }
 
 _ONLY_WITH_CASES = ("atan2", "cases")

@@ -329,12 +329,9 @@ def _refusal(document: Document, model: type[BaseModel], violation: Any) -> Robo
         case "extra_forbidden":
             allowed = _fields(model, path[:-1])
             hint = key_hint(key, str(path[0]), allowed) if model is model_of(RobotFile) else ""
-            return RobotFileError(
-                f"{path_text(path[:-1], document.what)}: unknown key {quoted(key)}",
-                allowed=f"allowed: {listed(allowed)}",
-                remedy=hint or near_miss(key, allowed) or "remove it",
-                location=document.key_location(path),
-            )
+            found = f"{path_text(path[:-1], document.what)}: unknown key {quoted(key)}"
+            remedy, location = hint or near_miss(key, allowed) or "remove it", document.key_location(path)
+            return RobotFileError(found, allowed=f"allowed: {listed(allowed)}", remedy=remedy, location=location)
         case "missing" if not (path and isinstance(path[-1], int)):
             remedy = _MISSING.get(f"root {key}" if path[0] == "root" else key, "add it")
             return document.error(path[:-1], f"key '{key}' is missing", remedy=remedy)
