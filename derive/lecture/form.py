@@ -300,12 +300,8 @@ class LectureForm:
         if kept and (product := planning.product_form(terms)) is not None:
             return planning.cheapest([product, flat(terms)])
         gravity = frozenset[int]() if self.style.g is GravityPlace.TERM else self._gravity
-        in_front = {
-            CommonFactors.NONE: gravity,
-            CommonFactors.FUNCTIONS: gravity | self._sines,
-            CommonFactors.ALL: self._not_gravity | gravity,
-        }[self.style.factors]
-        return factored(terms, flat, in_front)
+        others = {CommonFactors.FUNCTIONS: self._sines, CommonFactors.ALL: self._not_gravity}
+        return factored(terms, flat, gravity | others.get(self.style.factors, frozenset()))
 
     def sympy(self, plan: Plan) -> Expr:
         """The plan as a SymPy expression."""

@@ -75,10 +75,7 @@ class FactorTable:
     def terms(self, p: Polynomial) -> Terms:
         """A polynomial with every aligned group contracted: c1*c12 + s1*s12 is c2."""
         degrees = p.degrees()
-        rows: list[Row] = [
-            ({i: int(e) for i, e in enumerate(exponents) if e}, (), fraction(coefficient))
-            for exponents, coefficient in p.raw.terms()
-        ]
+        rows: list[Row] = [({i: int(e) for i, e in enumerate(es) if e}, (), fraction(c)) for es, c in p.raw.terms()]
         for group in self._groups:
             # a lone angle is shorter only where 1 - c^2 can become s^2; sums of angles wherever they occur
             if degrees[group.places[1]] >= 2 if len(group.joints) == 1 else any(degrees[i] for i in group.places):

@@ -133,10 +133,8 @@ class ModelEntries:
         """Geometric Jacobian, 6xn, world frame. Of a long arm the lower rows, axes of the first joints, are short."""
         n, model = self.robot.n, self.model
         if not self.robot.coupled and self._long.is_long(0, n):
-            counts = [
-                [x.value for x in (*linear, *angular)]
-                for linear, angular in zip(self._long_counts.linear, self._long_counts.angular, strict=True)
-            ]
+            columns = zip(self._long_counts.linear, self._long_counts.angular, strict=True)
+            counts = [[x.value for x in (*linear, *angular)] for linear, angular in columns]
             axis, write = model.kinematics.axis, model.form.kinematic
             return Entries(
                 (6, n),

@@ -171,9 +171,8 @@ def arm(robot: Some, name: str) -> tuple[Some, tuple[int, ...]]:
     fixed = [row for way, _ in on_way for row in way.rows]
     labels = [label for way, joint in on_way for label in (*(row.name for row in way.rows), joint)]
     own = labels[len(robot.root.variables) + 1 if robot.root else 0 :]  # rows of the arm's own table
-    drawn = robot.figure.q
-    if drawn and not robot.coupled:
-        drawn = tuple(drawn[place] for place in places)
+    q = robot.figure.q
+    drawn = tuple(q[place] for place in places) if q and not robot.coupled else q
     serial = replace(
         robot,
         joints=tuple(robot.joints[place] for place in places),

@@ -40,10 +40,7 @@ def render_native(source: Source) -> dict[str, str]:
     if inverse:
         code["inverse_loop"] = _inverse_loop(inverse, *solver)
         code["nearest"] = _nearest_loop(inverse, *solver)
-    return {
-        MODULE: render("native/model_native.py.jinja", **module),
-        CODE: render("native/model_native.c.jinja", **code),
-    }
+    return {MODULE: render(f"native/{MODULE}.jinja", **module), CODE: render(f"native/{CODE}.jinja", **code)}
 
 
 _WHAT = "the C functions as NumPy generalised ufuncs; needs a C compiler"

@@ -174,10 +174,8 @@ def _elimination(elimination: Elimination) -> str:
     def _closure(way: Closure) -> str:
         return f"_Closure({way.joints}, {way.dropped}, {way.direction}, {way.eliminated})"
 
-    ways = [
-        f"_Reduction({_closure(each.closure)}, {each.equations}, {each.constant}, {each.linear})"
-        for each in elimination.reductions
-    ]
+    forms = ((_closure(each.closure), each.equations, each.constant, each.linear) for each in elimination.reductions)
+    ways = [f"_Reduction({', '.join(map(str, form))})" for form in forms]
     rest = (elimination.hidden, elimination.multiplied, elimination.rows, _closure(elimination.finish))
     arguments = (f"({_tuple(ways)})", *map(str, rest), str(elimination.start), str(elimination.straight))
     return f"_Elimination({', '.join(arguments)})"

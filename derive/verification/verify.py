@@ -253,10 +253,8 @@ def trials(model: GeneratedModel, function: str, sample_sets: Sequence[SampleSet
         # Every parameter an array of its numbers in all sets, (sets, 1), against (sets, samples, n) configurations of
         # these: loops that close with the numbers of one set may be open with those of another.
         owned = [_arguments(function, one) for one in sample_sets]
-        stacked: Parameters = {
-            name: np.reshape([one.parameters[name] for one in sample_sets], (-1, *(1 for _ in owned[0][:1])))
-            for name in sample_sets[0].parameters
-        }
+        names, shape = sample_sets[0].parameters, (-1, *(1 for _ in owned[0][:1]))
+        stacked = {name: np.reshape([one.parameters[name] for one in sample_sets], shape) for name in names}
         call = cache(partial(model.call, function, read_only([*map(np.stack, zip(*owned, strict=True))]), stacked))
         for index, (sample_set, arguments) in enumerate(zip(sample_sets, owned, strict=True)):
             own: Callable[[], Array] = partial(lambda k: np.asarray(call())[k], index)

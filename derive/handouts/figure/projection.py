@@ -193,10 +193,8 @@ def _sphere() -> tuple[Array, Array]:
     # 4 rings of latitude, 8 of longitude; the normal of a patch is that at its middle
     rings = pairwise(math.pi * k / 4 for k in range(5))
     patches = list(product(rings, list(pairwise(2 * math.pi * k / 8 for k in range(9)))))
-    corners = [
-        [_on_sphere(low, left), _on_sphere(low, right), _on_sphere(high, right), _on_sphere(high, left)]
-        for (low, high), (left, right) in patches
-    ]
+    around = [((low, left), (low, right), (high, right), (high, left)) for (low, high), (left, right) in patches]
+    corners = [[_on_sphere(*place) for place in places] for places in around]
     normals = [_on_sphere((low + high) / 2, (left + right) / 2) for (low, high), (left, right) in patches]
     return np.array(corners), np.array(normals)
 

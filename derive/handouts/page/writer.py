@@ -177,10 +177,8 @@ def _gap(gap: sheet.Gap) -> str:
 
 def _table(block: sheet.Table, _: Text) -> str:
     head = "".join(_cell("th scope=col", cell) for cell in block.header)
-    rows = "\n".join(
-        f"<tr>{''.join(_cell('td' if k else 'th scope=row', cell) for k, cell in enumerate(row))}</tr>"
-        for row in block.rows
-    )
+    cells = ((_cell("td" if k else "th scope=row", cell) for k, cell in enumerate(row)) for row in block.rows)
+    rows = "\n".join(f"<tr>{''.join(row)}</tr>" for row in cells)
     table = f"<table>\n<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table>"
     return f'<div class=scroll tabindex=0 role=group aria-label="{html_text(_("Table"))}">\n{table}\n</div>'
 

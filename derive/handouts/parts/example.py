@@ -165,10 +165,8 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     box = equated(symbol, cells)
     lines, note = [box.tex], ""
     if not fits(box, len(rows)):
-        lines = pack(
-            equated(script(symbol, italic(str(k))), matrix([[_number(context, value)] for value in column]))
-            for k, column in enumerate(zip(*rows, strict=True), 1)
-        )
+        columns = (matrix([[_number(context, value)] for value in column]) for column in zip(*rows, strict=True))
+        lines = pack(equated(script(symbol, italic(str(k))), column) for k, column in enumerate(columns, 1))
         note = context.text("Column by column.")
     entries = (Entry(symbol.tex, cells.tex, copied_rows(rows)),)
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))

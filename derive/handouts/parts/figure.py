@@ -81,10 +81,9 @@ def _tree(context: Context, poses: RobotPoses, frames: Sequence[Frames], view: V
 
 
 def _positions(context: Context, values: Sequence[tuple[Joint | Variable, Expression]]) -> str:
-    return context.text.listing(
-        f"${context.notation.glyph(joint.variable).box.tex.strip()} = {joined(context.data.position(joint, cell)).tex}$"
-        for joint, cell in values
-    )
+    glyph, write = context.notation.glyph, context.data.position
+    pairs = ((glyph(joint.variable).box.tex.strip(), joined(write(joint, cell)).tex) for joint, cell in values)
+    return context.text.listing(f"${symbol} = {value}$" for symbol, value in pairs)
 
 
 def stated_values(context: Context, values: Sequence[tuple[str, float, str]]) -> str:
@@ -120,10 +119,8 @@ def convention(context: Context) -> Iterator[Block]:
     texts, notation, labelled = [], context.notation, tuple(context.notation.labels)
     if labelled and notation.abbreviates:
         angle = notation.glyph(labelled[0]).box.tex
-        short = [
-            f"${notation.abbreviation('c', labelled[:1], EMPTY).tex} = \\cos {angle}$",
-            f"${notation.abbreviation('s', labelled[:1], EMPTY).tex} = \\sin {angle}$",
-        ]
+        cosine, sine = (notation.abbreviation(letter, labelled[:1], EMPTY).tex for letter in "cs")
+        short = [f"${cosine} = \\cos {angle}$", f"${sine} = \\sin {angle}$"]
         if len(labelled) > 1:
             total = " + ".join(notation.glyph(name).box.tex for name in labelled[:2])
             short.append(f"${notation.abbreviation('c', labelled[:2], EMPTY).tex} = \\cos({total})$")

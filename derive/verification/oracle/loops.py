@@ -96,10 +96,8 @@ def _closure(arm: NumericArm, x: Array) -> tuple[Array, Array]:
     for by, length, *places in arm.loops:
         one, other = (frames[..., joint + 1, None, :3, :] @ own for joint, own in places)
         turns = [np.swapaxes(angular_jacobian(arm, frames, arm.moves[[k]])[..., 0, :, :], -1, -2) for k, _ in places]
-        moves = [
-            np.swapaxes(point_jacobian(arm, frames, at[..., 3], arm.moves[[k]])[..., 0, :, :], -1, -2)
-            for at, (k, _) in zip((one, other), places, strict=True)
-        ]
+        points = [(at[..., 3], arm.moves[[k]]) for at, (k, _) in zip((one, other), places, strict=True)]
+        moves = [np.swapaxes(point_jacobian(arm, frames, *point)[..., 0, :, :], -1, -2) for point in points]
         gap, rate = (one - other)[..., 3], moves[0] - moves[1]
         if by is Joining.PRISMATIC:  # what is beside the axis
             z = other[..., 2]
