@@ -168,10 +168,8 @@ def _quantity(context: Context, name: str) -> sheet.Section:
         part = near_miss(word, PARTS)
         if error.remedy and not part:
             raise
-        found, allowed = (
-            f"no part and no quantity {quoted(name)}",
-            f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}",
-        )
+        allowed = f"parts: {listed(PARTS)}; quantities: {listed(REGISTRY)}"
+        found = f"no part and no quantity {quoted(name)}"
         raise TargetError(found, allowed=allowed, remedy=part or near_miss(word, REGISTRY)) from None
     if row.dynamic and not context.robot.has_dynamics:
         raise QuantityError(f"{name} of {context.robot.name}", allowed="its file gives no links", remedy="add links:")

@@ -86,10 +86,8 @@ class _Composite(Generic[S]):
         swing_x = p.xx * x + p.xy * y + p.xz * z
         swing_y = p.xy * x + p.yy * y + p.yz * z
         planar = e[0][0] + e[1][1]
-        force, moment = (
-            (-(z * hx) - ry, rx - z * hy, x * hx + y * hy),
-            (swing_y - e[0][2], -(swing_x + e[1][2]), planar),
-        )
+        force = (-(z * hx) - ry, rx - z * hy, x * hx + y * hy)
+        moment = (swing_y - e[0][2], -(swing_x + e[1][2]), planar)
         eta, kappa = (-p.xz, -p.yz, p.xx + p.yy), (-(swing_y + e[2][0]), swing_x - e[2][1], planar)
         return _ColumnWrench(force, moment, (-hy, hx, zero), eta, kappa)
 

@@ -255,6 +255,7 @@ class _Search:
 
 def _seen_along_axis(section: Region) -> Region:
     """The rings that a solid of revolution covers, seen along its axis."""
-    package, disc = areas.shapely(), partial(areas.shapely().Point(0.0, 0.0).buffer, quad_segs=512)
+    package = areas.shapely()
+    disc = partial(package.Point(0.0, 0.0).buffer, quad_segs=512)
     bounds = (part.bounds for part in package.get_parts(section) if not part.is_empty)
     return package.unary_union([disc(outer).difference(disc(inner)) for inner, _, outer, _ in bounds])
