@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,12 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.api.robots import RobotLike, load
-from derive.errors import DeriveError, listed
+from derive.errors import DeriveError, OutputError, listed
 from derive.handouts.figure.writers import SUFFIXES, figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.sampling.clusters import cluster
 from derive.sampling.grid import MapGrid
-from derive.sampling.maps import MapStore, map_dataset, value_type
+from derive.sampling.maps import MapWork, begin_store, fill_store, map_dataset, stored_shares, value_type
 
 if TYPE_CHECKING:
     import xarray
@@ -87,7 +88,7 @@ def map(
         TargetError: Dask or xarray is not installed.
     """
     chosen = load(robot, remarks_on_bodies=False)
-    return map_dataset(MapGrid.of(chosen, grid, orientations, rolls, box, conditioning=conditioning))
+    return map_dataset(MapWork.of(MapGrid.of(chosen, grid, orientations, rolls, box, conditioning=conditioning)))
 
 
 def write_map(
@@ -124,7 +125,10 @@ def write_map(
         OutputError: There is such a store, or with ``resume`` it is of another map, or it cannot be written.
         DeriveError: Besides what `map` refuses: too many poses, or a scheduler that does not answer.
     """
-    pictures = [] if picture is None else [Path(picture)]
+    path, pictures = Path(path), [] if picture is None else [Path(picture)]
+    if os.path.lexists(path) and not resume:
+        remedy = "choose another name, remove it, or go on with it by --resume"
+        raise OutputError(f"{path} exists already", remedy=remedy)
     if pictures:
         require_matplotlib()
     refuse_taken(pictures, force=force)
@@ -138,11 +142,10 @@ def write_map(
             allowed=f"allowed: {_MOST:.0e} unasked",
             remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
         )
-    store = MapStore(Path(path), grid)
     with cluster(workers, scheduler) as found:
-        store.begin(resume=resume)
-        computed = store.fill(found, progress)
-    shares = store.shares()
+        begin_store(path, work := MapWork.of(grid))
+        computed = fill_store(path, work, found, progress)
+    shares = stored_shares(path)
     turning = [way.variable for way in grid.ranges if way.assumed and way.revolute]
     sliding = [f"{way.variable} {way.interval}" for way in grid.ranges if way.assumed and not way.revolute]
     remarks = [f"without limits: {listed(turning)}, full turns"] if turning else []
@@ -152,7 +155,7 @@ def write_map(
         write_files({name: data}, force=force)
         remarks.append(f"{name}: {title}")
     counts = shares.size, poses, computed, len(grid.blocks), int((shares > 0.0).sum()), int((shares == 1.0).sum())
-    return WrittenMap(grid.robot.name, store.path, *counts, tuple(remarks))
+    return WrittenMap(grid.robot.name, path, *counts, tuple(remarks))
 
 
 def _slice_picture(grid: MapGrid, shares: npt.NDArray[np.float32], suffix: str) -> tuple[bytes, str]:

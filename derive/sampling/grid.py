@@ -7,7 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
-from typing import Any
 
 import numpy as np
 
@@ -29,6 +28,7 @@ _SWEEPS = 200  # most times that every joint is moved to its best place
 _SETTLED = 1e-12  # a sweep that gains less than this part of the arm's size squared is the last one
 _BEYOND = 1e-9  # by which box and ball are larger than what was found, in parts of the ball
 _THIRDS = TURN / 3.0 * np.arange(3.0)
+_RADIANS = {"units": "rad"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,25 +37,27 @@ class Orientations:
 
     rotations: Array  # (m, 3, 3)
     sizes: Mapping[str, int]  # names and lengths of their dimensions, whose product is m
-    coordinates: Mapping[str, tuple[str, Array]]  # by name: the dimension along which they lie, and their values
+    # By name: the dimension along which they lie, their values, and the unit, as xarray takes them.
+    coordinates: dict[str, tuple[str, Array, dict[str, str]]]
 
     @classmethod
     def of(cls, task: Task, count: int, rolls: int) -> Orientations:
         """Those of a task: directions of z on a Fibonacci sphere and rolls about it, or angles about the world's z."""
         if "phi" in task:
             angle = TURN / count * np.arange(count, dtype=float)
-            return cls(_about_z(angle), {"angle": count}, {"angle": ("angle", angle)})
+            return cls(_about_z(angle), {"angle": count}, {"angle": ("angle", angle, _RADIANS)})
         if not {"approach", "orientation"} & set(task):
             return cls(np.eye(3)[None], {}, {})
         places = np.arange(count, dtype=float)
         tilt = _about_z(np.arccos(1.0 - (2.0 * places + 1.0) / count))[:, [1, 2, 0]][:, :, [1, 2, 0]]  # about y
         directed = _about_z(_GOLDEN * places) @ tilt
-        known = {f"direction_{name}": ("direction", directed[:, k, 2]) for k, name in enumerate("xyz")}
+        known = {f"direction_{name}": ("direction", directed[:, k, 2], {"units": "1"}) for k, name in enumerate("xyz")}
         if "approach" in task:
             return cls(directed, {"direction": count}, known)
         roll = TURN / rolls * np.arange(rolls, dtype=float)
         turns = directed[:, None] @ _about_z(roll)
-        return cls(turns.reshape(-1, 3, 3), {"direction": count, "roll": rolls}, known | {"roll": ("roll", roll)})
+        known["roll"] = ("roll", roll, _RADIANS)
+        return cls(turns.reshape(-1, 3, 3), {"direction": count, "roll": rolls}, known)
 
 
 def _about_z(angle: Array) -> Array:
@@ -182,28 +184,22 @@ def _most(chain: NumericChain, ranges: Sequence[Range], value: Callable[[Array],
     """The largest values (groups,) that functions of positions (..., groups, 3) -> (..., groups) take in the ranges.
 
     One joint after the other goes to its best place: coordinates and squared distances are a + b cos(q) + c sin(q) of
-    a joint that turns, and largest at an end of one that slides.
+    a joint that turns, and largest at an end of one that slides, whose further place does no harm.
     """
-
-    def _tried(q: Array, joint: int, places: Sequence[Any]) -> tuple[Array, Array]:  # (places, ..., n), (places, ...)
-        tried = np.stack([q] * len(places))
-        for one, place in zip(tried, places, strict=True):
-            one[..., joint] = place
-        return tried, value(chain.pose_and_jacobian(tried)[0][..., :3, 3])
-
     lower, upper = np.array([[way.lower, way.upper] for way in ranges]).T
     q = np.random.default_rng(0).uniform(lower, upper, (_STARTS, groups, len(ranges)))
     best = np.full(groups, -np.inf)
     for _ in range(_SWEEPS):
         before = best
-        for joint, way in enumerate(ranges):
-            places: list[Any] = [way.lower, way.upper]
-            if way.revolute:
-                samples = np.moveaxis(_tried(q, joint, _THIRDS.tolist())[1], 0, -1)
-                top = np.arctan2(samples @ np.sin(_THIRDS), samples @ np.cos(_THIRDS))
-                top = way.lower + (top - way.lower) % TURN
-                places.append(np.where(top > way.upper, way.lower, top))
-            tried, found = _tried(q, joint, places)
+        for joint, (low, high) in enumerate(zip(lower, upper, strict=True)):
+            tried = np.stack([q] * 3)
+            tried[..., joint] = _THIRDS[:, None, None]
+            samples = value(chain.pose_and_jacobian(tried)[0][..., :3, 3])
+            s, c = (np.tensordot(wave(_THIRDS), samples, 1) for wave in (np.sin, np.cos))
+            top = low + (np.arctan2(s, c) - low) % TURN
+            for one, place in zip(tried, (low, high, np.where(top > high, low, top)), strict=True):
+                one[..., joint] = place
+            found = value(chain.pose_and_jacobian(tried)[0][..., :3, 3])
             q = np.take_along_axis(tried, found.argmax(axis=0)[None, ..., None], axis=0)[0]
         best = found.max(axis=(0, 1))
         if np.all(best - before <= _SETTLED * max(chain.reach, 1.0) ** 2):

@@ -16,7 +16,7 @@ from derive.api.map import write_map
 from derive.errors import DeriveError
 from derive.robot.robot import Robot
 from derive.sampling import grid
-from derive.sampling.maps import map_dataset
+from derive.sampling.maps import MapWork, map_dataset
 from tests.places import ROOT
 from tests.sampling.numeric_arms import ELBOW, SCARA
 
@@ -107,7 +107,7 @@ def test_a_data_set_is_lazy_and_equals_the_store_and_a_box_is_a_part_of_it(tmp_p
     there = lazy.sel(x=box.x, y=box.y, z=box.z)
     assert box.sizes["x"] == 4
     xarray.testing.assert_equal(box.postures.compute(), there.postures.compute())
-    alone = map_dataset(grid.MapGrid.of(ELBOW.robot, 0.2))
+    alone = map_dataset(MapWork.of(grid.MapGrid.of(ELBOW.robot, 0.2)))
     assert alone.postures.dims == ("x", "y", "z")
 
 
