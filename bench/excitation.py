@@ -56,7 +56,7 @@ def robot_of(name: str) -> Robot:
 def design_of(robot: Robot, limits: dict[str, object]) -> Design:
     """The search within the limits."""
     options = {name: _of_joints(robot, limits[name], name) for name in ("speed", "torque") if name in limits}
-    unknowns, series = Unknowns(robot, ("viscous", "coulomb")), FourierSeries(10.0, 5)
+    unknowns, series = Unknowns.of(robot, ("viscous", "coulomb")), FourierSeries(10.0, 5)
     room = _room(robot, options, limits["floor"])
     return Design(unknowns, series, room, Criterion.CONDITION, _noise(robot, "1%"))
 

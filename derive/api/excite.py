@@ -82,7 +82,7 @@ def excite(
     _check(shortest <= sample <= longest, f"samples every {sample:.6g} s", f"{shortest:.3g} to {longest:.3g} s")
     _check(starts >= 1, f"{starts} starts", "one or more")
     _check(criterion in [*Criterion], f"criterion {criterion}", listed(Criterion))
-    unknowns, series = Unknowns(chosen, tuple(add)), FourierSeries(float(period), harmonics)
+    unknowns, series = Unknowns.of(chosen, tuple(add)), FourierSeries(float(period), harmonics)
     asked = {"position": position, "speed": speed, "acceleration": acceleration, "torque": torque}
     typed = {what: _of_joints(chosen, values, what) for what, values in asked.items() if values is not None}
     room = _room(chosen, typed, -np.inf if floor is None else floor)

@@ -71,7 +71,7 @@ def identify(
         if not 0 < part < 1 and held_out is not None:
             raise DeriveError(f"{part:g} of a log held out", allowed="allowed: a log, or a part such as 0.2")
     require_known(method, list(Method), f"no method {quoted(method)}")
-    unknowns = Unknowns(given, tuple(add))
+    unknowns = Unknowns.of(given, tuple(add))
     logs = (log, *(() if part or held_out is None else (held_out,)))
     prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]
     found = identified(unknowns, Method(method), prepared, part=1 - part, trusted=trust_torques)

@@ -34,11 +34,13 @@ UNITS: Mapping[str, tuple[Mapping[str, float], Mapping[str, float]]] = {
     "tau": (_FORCES, _TORQUES),
 }
 _HEADER = re.compile(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]\s*")  # a name with a unit in brackets
-_NUMBER = re.compile(r"\s*([-+.\de]*|nan|null|na|n/a)\s*", re.IGNORECASE)  # or an empty cell
+# What Arrow says of a line of a CSV: the column, from 0, and the cell that is no number; or how many cells there are.
+_WRONG = re.compile(r"(?:In CSV column #(\d+): )?.*?Row #(\d+): .*?(?:invalid value '(.*)'$|got (\d+))", re.DOTALL)
 BATCH = 65_536  # rows that are read at once
 CSV_BLOCK, PARQUET_BUFFER = 4 << 20, 1 << 18  # bytes of a CSV, and of a column of Parquet, that are read at once
 JUMP = 1.5  # steps of time above which a gap is between two rows
 SHOWN = 12  # columns that a message lists
+NEEDED = "reading a log needs pyarrow"
 LogColumn = tuple[str, float]  # its name in the log, and what takes it to SI units; negative where its sign is turned
 
 
@@ -65,28 +67,28 @@ class Log:
 
     @cached_property
     def _store(self) -> Any:
-        arrow = optional("pyarrow", "reading a log needs pyarrow", "data")
+        """A table or a file of Parquet; of a CSV what separates its cells, and those of its first line."""
+        if self._csv:
+            with self._csv.open(encoding="utf-8-sig", errors="replace") as file:
+                line = file.readline().rstrip("\r\n")
+            delimiter = max(",;\t", key=line.count)
+            return delimiter, next(csv.reader([line], delimiter=delimiter), [])
+        arrow, parquet = (
+            optional(f"pyarrow{part}", "reading a log needs pyarrow", "data") for part in ("", ".parquet")
+        )
         if self.path is None:
             return arrow.table(dict(self.source)) if isinstance(self.source, Mapping) else self.source
-        parquet = optional("pyarrow.parquet", "reading a log needs pyarrow", "data")
         try:  # what is read ahead would be a whole group of rows
             return parquet.ParquetFile(self.path, buffer_size=PARQUET_BUFFER, pre_buffer=False)
         except arrow.ArrowInvalid as error:
             raise self._error(f"no Parquet: {error}", remedy="check the file; a CSV ends with .csv") from None
 
     @cached_property
-    def _head(self) -> tuple[str, list[str]]:
-        """What separates the cells of a CSV, and those of its first line."""
-        with open(str(self._csv), encoding="utf-8-sig", errors="replace") as file:
-            line = file.readline().rstrip("\r\n")
-        delimiter = max(",;\t", key=line.count)
-        return delimiter, next(csv.reader([line], delimiter=delimiter), [])
-
-    @cached_property
     def names(self) -> list[str]:
         """The names of all columns."""
-        schema = self._head[1] if self._csv else self._store.schema_arrow if self.path else self._store.schema
-        return schema if isinstance(schema, list) else list(schema.names)
+        if self._csv:
+            return list(self._store[1])
+        return list((self._store.schema_arrow if self.path else self._store.schema).names)
 
     @cached_property
     def rows(self) -> int:
@@ -158,32 +160,24 @@ class Log:
                 block *= [factor for _, factor in read]
                 yield from (block[start : start + BATCH] for start in range(0, len(block), BATCH))
         except (ValueError, TypeError) as error:  # those of Arrow among them
-            raise self._unreadable(names, str(error)) from None
+            if not (wrong := _WRONG.match(str(error))):
+                found = f"cannot be read: {' '.join(str(error).split())}"
+                raise self._error(found, remedy="check the file") from None
+            column, line, cell, cells = wrong.groups()
+            what = f"{cells} cells" if cells else f"{quoted(cell)} for {self.names[int(column)]}"
+            remedy = f"write {len(self.names)}" if cells else "correct the line"
+            raise self._error(what, int(line) - 2, allowed="allowed: numbers", remedy=remedy) from None
 
     def _record_batches(self, names: list[str]) -> Any:
         if self.path is None:
             return self._store.select(names).to_batches(BATCH)
         if not self._csv:
             return self._store.iter_batches(BATCH, columns=names, use_threads=False)
-        reader = optional("pyarrow.csv", "reading a log needs pyarrow", "data")
+        reader = optional("pyarrow.csv", NEEDED, "data")
         reading = reader.ReadOptions(block_size=CSV_BLOCK, use_threads=False)
-        parsing = reader.ParseOptions(delimiter=self._head[0])
+        parsing = reader.ParseOptions(delimiter=self._store[0])
         converting = reader.ConvertOptions(column_types=dict.fromkeys(names, "float64"), include_columns=names)
         return reader.open_csv(self.path, reading, parsing, converting)
-
-    def _unreadable(self, names: list[str], reason: str) -> DeriveError:
-        """Where a CSV has something else than a number; what the reader says of other files."""
-        if self._csv:
-            with self._csv.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-                rows = csv.DictReader(file, delimiter=self._head[0])
-                for row in rows:
-                    cells = len(self.names) - list(row.values()).count(None) + len(row.get(None) or ())
-                    wrong = [name for name in names if not _NUMBER.fullmatch(row[name] or "")]
-                    if wrong or cells != len(self.names):
-                        what = f"{quoted(row[wrong[0]])} for {wrong[0]}" if wrong else f"{cells} cells"
-                        remedy = "correct the line" if wrong else f"write {len(self.names)}"
-                        return self._error(what, rows.line_num - 2, allowed="allowed: numbers", remedy=remedy)
-        return self._error(f"cannot be read: {' '.join(reason.split())}", remedy="check the file")
 
     def segments(self) -> Iterator[tuple[Array, bool]]:
         """The rows in blocks, and whether something is missing before a block."""

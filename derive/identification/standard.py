@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, reduce
 from operator import sub
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -49,15 +49,21 @@ WIDTH = len(LINK_PARTS)
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """What is identified of a robot, and what its file says of it."""
+    """What is identified of a robot, s standard and p base parameters, and what its file says of it."""
 
     robot: Robot
-    added: tuple[str, ...] = ()  # of `ADDED`
+    wide: Robot  # the robot with all that is identified: one where its file gives nothing
+    base: BaseSet
+    standard: tuple[Parameter, ...]
+    given: Array  # (s,) the standard parameters as the file has them, without bodies that are fixed to links
+    grouping: Array  # K, (p, s): the base parameters are what the standard parameters are times it
+    prior: Array  # (p,) the base parameters as the file has them
 
-    def __post_init__(self) -> None:
-        robot = self.robot
+    @classmethod
+    def of(cls, robot: Robot, added: Sequence[str] = ()) -> Self:
+        """Those of a robot, and what its file lacks of some of `ADDED`."""
         tree.require_own_variables(robot, "identification")
-        for name in self.added:
+        for name in added:
             require_known(name, ADDED, f"no part {quoted(name)} to add")
         if robot.root is not None or robot.n > REGRESSOR_JOINTS:
             found = f"identification of {robot.name}, {'whose root moves' if robot.root else f'of {robot.n} joints'}"
@@ -68,51 +74,23 @@ class Unknowns:
         for lacking in free_symbols(replace(robot, runtime=())):
             remedy = f"write parameters: {{{lacking}: 0}} where nothing is known of a link"
             raise QuantityError(f"the symbol '{lacking}' of {robot.name} has no number", remedy=remedy)
-
-    @cached_property
-    def wide(self) -> Robot:
-        """The robot with all that is identified: one where its file gives nothing."""
         links = []
-        for link in self.robot.links:
-            lacking: dict[str, Any] = {name: ONE for name in self.added if getattr(link, name) == ZERO}
-            links.append(replace(link, **lacking))
-        return replace(self.robot, links=tuple(links), runtime=())
+        for link in robot.links:
+            ones: dict[str, Any] = {name: ONE for name in added if getattr(link, name) == ZERO}
+            links.append(replace(link, **ones))
+        wide = replace(robot, links=tuple(links), runtime=())
+        base, standard = base_set(wide), inertial_parameters.standard_parameters(wide)
+        domain = FloatDomain(robot, [0.0] * robot.n)
 
-    @cached_property
-    def base(self) -> BaseSet:
-        """Its base parameters."""
-        return base_set(self.wide)
+        def _number(coefficient: Quotient) -> float:
+            numerator, denominator = map(domain.constant, base.fraction(coefficient))
+            return numerator / denominator
 
-    @cached_property
-    def standard(self) -> tuple[Parameter, ...]:
-        """Its standard parameters."""
-        return inertial_parameters.standard_parameters(self.wide)
-
-    @cached_property
-    def given(self) -> Array:
-        """The standard parameters of the links as the file has them, without bodies that are fixed to them, (s,)."""
-        bare = replace(self.robot, fixed=tree.massless(self.robot.fixed))
-        return np.array(standard_values(bare, self.standard, self._floats))
-
-    @cached_property
-    def _floats(self) -> FloatDomain:
-        return FloatDomain(self.robot, [0.0] * self.robot.n)
-
-    def _number(self, coefficient: Quotient) -> float:
-        numerator, denominator = map(self._floats.constant, self.base.fraction(coefficient))
-        return numerator / denominator
-
-    @cached_property
-    def grouping(self) -> Array:
-        """K, (p, s): the base parameters are what the standard parameters are times it."""
-        return np.array(self._grouping(self._floats, self._number)).T
-
-    @cached_property
-    def prior(self) -> Array:
-        """The base parameters as the file has them, (p,)."""
-        whole = np.array(standard_values(self.robot, self.standard, self._floats))
-        found, rounding = self.grouping @ whole, np.finfo(float).eps * (np.abs(self.grouping) @ np.abs(whole))
-        return np.where(np.abs(found) > 10 * rounding, found, 0.0)
+        bare = replace(robot, fixed=tree.massless(robot.fixed))
+        given, whole = (np.array(standard_values(each, standard, domain)) for each in (bare, robot))
+        grouping = np.array(grouped(wide, base, domain, _number)).T
+        prior, rounding = grouping @ whole, np.finfo(float).eps * (np.abs(grouping) @ np.abs(whole))
+        return cls(robot, wide, base, standard, given, grouping, np.where(np.abs(prior) > 10 * rounding, prior, 0.0))
 
     @cached_property
     def formulas(self) -> tuple[Expression | None, ...]:
@@ -125,43 +103,19 @@ class Unknowns:
             return domain.constant(multiply(number(1 / bottom.value), top))
 
         with suppress(ExpressionError, ZeroDivisionError):
-            domain = PolynomialDomain(self._empty, rates=False)
-            columns = self._grouping(domain, _polynomial)
+            domain = PolynomialDomain(_empty(self.wide), rates=False)
+            columns = grouped(self.wide, self.base, domain, _polynomial)
             cells = [[polynomial_expression(entry, domain) for entry in column] for column in columns]
             names = [Name(parameter.name) for parameter in self.standard]
             return tuple(add(*map(multiply, row, names)) for row in zip(*cells, strict=True))
         return (None,) * len(self.base.parameters)
 
-    @cached_property
-    def _empty(self) -> Robot:
-        """The robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
-        links = []
-        for link in self.wide.links:
-            motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
-            armature = ZERO if link.armature == ZERO else ONE
-            links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
-        return replace(self.wide, links=tuple(links), fixed=tree.massless(self.wide.fixed))
-
-    def _grouping(self, domain: Domain[S], coefficient: Callable[[Quotient], S]) -> list[list[S]]:
-        """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
-        empty = self._empty.links
-
-        def _values(i: int, link: Link) -> list[S]:
-            robot = replace(self._empty, links=(*empty[:i], link, *empty[i + 1 :]))
-            return base_values(robot, self.base, domain, coefficient)
-
-        nothing, columns = _values(0, empty[0]), dict[Parameter, list[S]]()
-        for parameter in self.standard:
-            i, part, is_moment = parameter.joint - 1, parameter.part, parameter.part in LINK_PARTS[1:4]
-            if parameter.of_link:  # a first moment comes with a mass, which is taken off again
-                one = _with_body(empty[i], [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
-            else:
-                one = _with_part(empty[i], part, number(2) if part == "Ia" else ONE)
-            less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
-            columns[parameter] = [reduce(sub, cells) for cells in zip(_values(i, one), *less, strict=True)]
-        return list(columns.values())
-
     # -- scales
+
+    @cached_property
+    def _links(self) -> list[int]:
+        """Where the ten parameters of each link begin."""
+        return [k for k, parameter in enumerate(self.standard) if parameter.part == LINK_PARTS[0]]
 
     @cached_property
     def _sizes(self) -> tuple[Array, Array]:
@@ -175,11 +129,6 @@ class Unknowns:
         return units, np.where(lengths > 1e-3 * far, lengths, far)
 
     @cached_property
-    def _links(self) -> list[int]:
-        """Where the ten parameters of each link begin."""
-        return [k for k, parameter in enumerate(self.standard) if parameter.part == LINK_PARTS[0]]
-
-    @cached_property
     def units(self) -> Array:
         """What a change of each standard parameter is counted in, (s,)."""
         found = []
@@ -189,7 +138,7 @@ class Unknowns:
             found.append(usual if parameter.of_link or not value else abs(value))
         return np.array(found)
 
-    @cached_property
+    @property
     def largest(self) -> Array:
         """More than a robot of such links has of each base parameter, (p,); infinite where nothing is known of them."""
         unknown = [p.part in FRICTION_PARTS or not self.given[self._links].any() for p in self.base.parameters]
@@ -262,6 +211,37 @@ class Unknowns:
             if not parameter.of_link and not same[k]:
                 links[i] = _with_part(links[i], parameter.part, _cell(standard[k]))
         return without_lost_symbols(self.robot, replace(self.robot, links=tuple(links)))
+
+
+def _empty(robot: Robot) -> Robot:
+    """A robot without bodies and friction; an armature that it has is one, as rotors are counted into it."""
+    links = []
+    for link in robot.links:
+        motor, dry = link.motor and Motor(ratio=link.motor.ratio), isinstance(link.coulomb, tuple)
+        armature = ZERO if link.armature == ZERO else ONE
+        links.append(Link(motor=motor, armature=armature, coulomb=(ZERO, ZERO) if dry else ZERO))
+    return replace(robot, links=tuple(links), fixed=tree.massless(robot.fixed))
+
+
+def grouped(robot: Robot, base: BaseSet, domain: Domain[S], coefficient: Callable[[Quotient], S]) -> list[list[S]]:
+    """For each standard parameter what one unit of it adds to the base parameters, which are linear in them."""
+    empty = _empty(robot)
+
+    def _values(link: Link | None = None, i: int = 0) -> list[S]:
+        links = (*empty.links[:i], link or empty.links[i], *empty.links[i + 1 :])
+        return base_values(replace(empty, links=links), base, domain, coefficient)
+
+    nothing, columns = _values(), dict[Parameter, list[S]]()
+    for parameter in inertial_parameters.standard_parameters(robot):
+        link, part, is_moment = empty.links[parameter.joint - 1], parameter.part, parameter.part in LINK_PARTS[1:4]
+        if parameter.of_link:  # a first moment comes with a mass, which is taken off again
+            one = _with_body(link, [float(p == part or (is_moment and p == "m")) for p in LINK_PARTS])
+        else:
+            one = _with_part(link, part, number(2) if part == "Ia" else ONE)
+        less = [nothing, columns[Parameter(parameter.joint, "m")]] if is_moment else [nothing]
+        rows = zip(_values(one, parameter.joint - 1), *less, strict=True)
+        columns[parameter] = [reduce(sub, cells) for cells in rows]
+    return list(columns.values())
 
 
 def _with_part(link: Link, part: str, cell: Expression) -> Link:

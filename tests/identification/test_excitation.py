@@ -62,7 +62,7 @@ def design(criterion: str, robot: Robot | None = None) -> Design:
     """What it is found by."""
     robot = robot or arm()
     series, room, noise = FourierSeries(10.0, 5), _room(robot, LIMITS, FLOOR), _noise(robot, [0.1, 0.2, 0.5])
-    return Design(Unknowns(robot, ("viscous", "coulomb")), series, room, Criterion(criterion), noise)
+    return Design(Unknowns.of(robot, ("viscous", "coulomb")), series, room, Criterion(criterion), noise)
 
 
 def stacked(motion: Motion) -> np.ndarray:

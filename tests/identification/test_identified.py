@@ -14,7 +14,7 @@ from tests.identification.logs import PUMA, REAL, simulated
 
 pytest.importorskip("pyarrow")
 LOG, NOISE = simulated(REAL, 4000)
-TRUTH = dict(zip((p.name for p in Unknowns(REAL).base.parameters), Unknowns(REAL).prior, strict=True))
+TRUTH = dict(zip((p.name for p in Unknowns.of(REAL).base.parameters), Unknowns.of(REAL).prior, strict=True))
 
 
 @pytest.fixture(scope="module", params=[str(method) for method in Method])
@@ -31,7 +31,7 @@ def test_the_robot_is_found_again(found: Identified) -> None:
     if found.method is not Method.OLS:  # the others weigh each joint by its noise
         assert (found.held_out <= 1.05 * NOISE).all()
     assert (found.before > 2 * NOISE).all()
-    assert Unknowns(Robot.from_text(found.text)).prior == pytest.approx(found.values, rel=1e-7, abs=1e-9)
+    assert Unknowns.of(Robot.from_text(found.text)).prior == pytest.approx(found.values, rel=1e-7, abs=1e-9)
 
 
 def test_the_page_and_the_tables_say_what_was_found(found: Identified) -> None:

@@ -10,7 +10,7 @@ from derive.verification.oracle.functions import Oracle
 from tests.identification.logs import REAL, simulated
 from tests.random_robots import swept
 
-UNKNOWNS = Unknowns(REAL)
+UNKNOWNS = Unknowns.of(REAL)
 
 
 def rows_of(count: int, noise: float, still: tuple[int, ...] = ()) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -61,7 +61,7 @@ CASES = cases()
 @pytest.mark.parametrize("robot", CASES, ids=lambda robot: robot.name)
 @pytest.mark.first(2)
 def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) -> None:
-    unknowns = Unknowns(robot, ("viscous", "coulomb", "armature"))
+    unknowns = Unknowns.of(robot, ("viscous", "coulomb", "armature"))
     base, oracle = unknowns.base.parameters, Oracle.of(unknowns.wide, base=unknowns.base.parameters)
     state = np.random.default_rng(1).uniform(-1, 1, (3, 30, robot.n))
     own, standard = (oracle.evaluate(name, *state) for name in ("base_regressor", "regressor"))
@@ -83,11 +83,11 @@ def test_base_parameters_are_the_grouping_times_the_standard_ones(robot: Robot) 
 @pytest.mark.parametrize("robot", CASES, ids=lambda robot: robot.name)
 @pytest.mark.first(5)
 def test_the_nearest_robot_has_the_base_parameters_and_reads_back(robot: Robot) -> None:
-    unknowns = Unknowns(robot, ("viscous", "coulomb"))
+    unknowns = Unknowns.of(robot, ("viscous", "coulomb"))
     wanted = unknowns.prior + 0.02 * np.random.default_rng(2).normal(size=len(unknowns.prior)) * np.abs(unknowns.prior)
     standard = unknowns.nearest(wanted)
     found = unknowns.robot_of(standard)
-    back = Unknowns(Robot.from_text(robot_text(found)), ("viscous", "coulomb"))
+    back = Unknowns.of(Robot.from_text(robot_text(found)), ("viscous", "coulomb"))
     assert back.prior == pytest.approx(wanted, rel=1e-8, abs=1e-8 * np.abs(wanted).max())
     # No other change is shorter: this one is orthogonal to all that change no torque.
     change = (standard - unknowns.given) / unknowns.units
@@ -109,8 +109,8 @@ def estimated(unknowns: Unknowns, beta: np.ndarray, noise: float) -> Estimate:
 def test_bodies_that_exist_are_as_near_as_can_be_and_load_in_mujoco() -> None:
     pytest.importorskip("clarabel")
     mujoco = pytest.importorskip("mujoco")
-    unknowns = Unknowns(PUMA, ("viscous", "coulomb"))
-    truth = Unknowns(REAL).prior
+    unknowns = Unknowns.of(PUMA, ("viscous", "coulomb"))
+    truth = Unknowns.of(REAL).prior
     for noise in (0.01, 1e-6):
         possible = unknowns.nearest_possible(estimated(unknowns, truth, noise))
         assert unknowns.prior + unknowns.grouping @ (possible - unknowns.given) == pytest.approx(truth, abs=1e-6)
@@ -126,11 +126,11 @@ def test_bodies_that_exist_are_as_near_as_can_be_and_load_in_mujoco() -> None:
 
 def test_a_robot_of_which_nothing_is_known_gets_masses() -> None:
     blank = replace(PUMA, links=tuple(Link() for _ in PUMA.links))
-    unknowns = Unknowns(blank, ("viscous", "coulomb", "armature"))
+    unknowns = Unknowns.of(blank, ("viscous", "coulomb", "armature"))
     assert np.isinf(unknowns.largest).all()
-    truth = dict(zip((p.name for p in Unknowns(REAL).base.parameters), Unknowns(REAL).prior, strict=True))
+    truth = dict(zip((p.name for p in Unknowns.of(REAL).base.parameters), Unknowns.of(REAL).prior, strict=True))
     wanted = np.array([truth[p.name] for p in unknowns.base.parameters])
-    back = Unknowns(Robot.from_text(robot_text(unknowns.robot_of(unknowns.nearest(wanted)))), ("armature",))
+    back = Unknowns.of(Robot.from_text(robot_text(unknowns.robot_of(unknowns.nearest(wanted)))), ("armature",))
     assert back.prior == pytest.approx(wanted, rel=1e-7, abs=1e-7)
 
 
@@ -146,6 +146,6 @@ def test_a_robot_of_which_nothing_is_known_gets_masses() -> None:
 )
 def test_what_cannot_be_identified(robot: str, message: str) -> None:
     with pytest.raises(DeriveError, match=message):
-        Unknowns(load(robot, remarks_on_bodies=False))
+        Unknowns.of(load(robot, remarks_on_bodies=False))
     with pytest.raises(DeriveError, match=r"no part 'viscos' to add; .*; did you mean 'viscous'"):
-        Unknowns(PUMA, ("viscos",))
+        Unknowns.of(PUMA, ("viscos",))
