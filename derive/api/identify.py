@@ -7,7 +7,6 @@ from typing import Any
 
 from derive.api.robots import RobotLike, load
 from derive.errors import DeriveError, RobotFileError, quoted, require_known
-from derive.identification.filters import Preparation
 from derive.identification.identified import Identified, identified
 from derive.identification.log import Log
 from derive.identification.regression import Method
@@ -73,8 +72,8 @@ def identify(
     require_known(method, list(Method), f"no method {quoted(method)}")
     unknowns = Unknowns.of(given, tuple(add))
     logs = (log, *(() if part or held_out is None else (held_out,)))
-    prepared = [Preparation(Log(each, given, columns or {}, drop), cutoff, decimate) for each in logs]
-    found = identified(unknowns, Method(method), prepared, part=1 - part, trusted=trust_torques)
+    read = [Log(each, given, columns or {}, drop, cutoff, decimate) for each in logs]
+    found = identified(unknowns, Method(method), read, part=1 - part, trusted=trust_torques)
     try:
         Robot.from_text(found.text)
     except RobotFileError as error:

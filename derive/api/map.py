@@ -17,8 +17,7 @@ from derive.errors import DeriveError, OutputError, listed
 from derive.handouts.figure.writers import SUFFIXES, figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.sampling.clusters import cluster
-from derive.sampling.grid import MapGrid
-from derive.sampling.maps import MapWork, begin_store, fill_store, map_dataset, stored_shares, value_type
+from derive.sampling.maps import MapGrid, begin_store, fill_store, map_dataset, stored_shares
 
 if TYPE_CHECKING:
     import xarray
@@ -88,7 +87,7 @@ def map(
         TargetError: Dask or xarray is not installed.
     """
     chosen = load(robot, remarks_on_bodies=False)
-    return map_dataset(MapWork.of(MapGrid.of(chosen, grid, orientations, rolls, box, conditioning=conditioning)))
+    return map_dataset(MapGrid.of(chosen, grid, orientations, rolls, box, conditioning=conditioning))
 
 
 def write_map(
@@ -136,15 +135,15 @@ def write_map(
     grid = MapGrid.of(load(robot, remarks_on_bodies=False), **asked)
     poses = math.prod(grid.shape) * len(grid.orientations.rotations)
     if poses > _MOST and not large:
-        size = poses * sum(int(kind[1]) for kind in value_type(grid).values()) / 1e9
+        size = poses * sum(int(kind[1]) for kind in grid.kinds.values()) / 1e9
         raise DeriveError(
             f"a map of {poses:.3g} poses: up to {size:.3g} GB and about {poses * _SECONDS / 3600:.2g} h of one core",
             allowed=f"allowed: {_MOST:.0e} unasked",
             remedy="take a larger --grid, fewer --orientations or a --box, or say --yes",
         )
     with cluster(workers, scheduler) as found:
-        begin_store(path, work := MapWork.of(grid))
-        computed = fill_store(path, work, found, progress)
+        begin_store(path, grid)
+        computed = fill_store(path, grid, found, progress)
     shares = stored_shares(path)
     turning = [way.variable for way in grid.ranges if way.assumed and way.revolute]
     sliding = [f"{way.variable} {way.interval}" for way in grid.ranges if way.assumed and not way.revolute]

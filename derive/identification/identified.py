@@ -7,7 +7,7 @@ import numpy as np
 
 from derive.arrays import Array, Flags
 from derive.errors import DeriveError, listed
-from derive.identification.filters import Block, Preparation
+from derive.identification.log import Block, Log
 from derive.identification.regression import SMALLEST, Factors, Method, estimate, refuse_strange_torques
 from derive.identification.standard import Unknowns
 from derive.programs.build import build_program
@@ -76,12 +76,10 @@ class Identified:
         return words | columns | {"held_out": held}
 
 
-def identified(
-    unknowns: Unknowns, method: Method, logs: Sequence[Preparation], *, part: float, trusted: bool
-) -> Identified:
+def identified(unknowns: Unknowns, method: Method, logs: Sequence[Log], *, part: float, trusted: bool) -> Identified:
     """The parameters of a robot from a part of the first log; the rest, and further ones, are held out."""
-    preparation, *others = logs
-    program, log = build_program(unknowns.wide, Effort.QUICK, names={"base_regressor"}), preparation.log
+    log, *others = logs
+    program = build_program(unknowns.wide, Effort.QUICK, names={"base_regressor"})
     saved = log.rows * SAVED * sum(program.operations["base_regressor"].values())
     source = Source(unknowns.wide, program, __version__)
     module, folder = loaded(source, compiled=saved > COMPILING)  # the folder goes when it is no longer held
@@ -90,7 +88,7 @@ def identified(
     random = np.random.default_rng(1).uniform(-2, 2, (3, 16, n))
     there = np.broadcast_to(module.base_regressor(*random), (16, n, count)) != 0
     used, held = (Factors(tuple(np.flatnonzero(there[:, j].any(axis=0)) for j in range(n)), count) for _ in range(2))
-    shown = _gather(preparation, module.base_regressor, used, held, part)
+    shown = _gather(log, module.base_regressor, used, held, part)
     for other in others:
         _gather(other, module.base_regressor, held, held, 1.0)
     del folder
@@ -100,7 +98,7 @@ def identified(
     if not trusted:
         refuse_strange_torques(used, unknowns.prior, [joint.label for joint in unknowns.robot.joints])
     found = estimate(used, method, unknowns.prior, unknowns.largest)
-    beta, notes = found.beta, _notes(preparation, unknowns, found.kept)
+    beta, notes = found.beta, _notes(log, unknowns, found.kept)
     if method is not Method.POSSIBLE:
         standard = unknowns.nearest(beta)
     else:
@@ -129,13 +127,11 @@ def identified(
     )
 
 
-def _gather(
-    preparation: Preparation, regressor: Callable[..., Array], used: Factors, held: Factors, part: float
-) -> Block:
+def _gather(log: Log, regressor: Callable[..., Array], used: Factors, held: Factors, part: float) -> Block:
     """Take in a part of a log, the rest as held out, and keep some rows."""
-    total = max(preparation.log.rows - 2 * preparation.margin, 0) // preparation.decimate  # if there are no gaps
-    log, row, every, kept = preparation.log, 0, total // SHOWN + 1, list[Block]()
-    for block in preparation.blocks(regressor):
+    total = max(log.rows - 2 * log.margin, 0) // log.decimate  # if there are no gaps
+    row, every, kept = 0, total // SHOWN + 1, list[Block]()
+    for block in log.blocks(regressor):
         cut = len(block[0]) if part == 1 else min(max(round(part * total) - row, 0), len(block[0]))
         for factors, own in ((used, slice(cut)), (held, slice(cut, None))):
             factors.add(block[2][own], block[3][own])
@@ -150,11 +146,11 @@ def _gather(
     return tuple(np.concatenate(parts) for parts in zip(*kept, strict=True))
 
 
-def _notes(preparation: Preparation, unknowns: Unknowns, kept: Flags) -> list[str]:
-    filtered = listed(preparation.missing or ("q", "qd", "qdd")) if preparation.band else ""
-    how = "by differences" if preparation.missing else "from the log"
-    notes = [f"{filtered} {how}, filtered without delay at {preparation.band:.3g} Hz"] if filtered else []
-    if preparation.decimate > 1:
-        notes.append(f"regressor and torques filtered alike, 1 of {preparation.decimate} rows kept")
+def _notes(log: Log, unknowns: Unknowns, kept: Flags) -> list[str]:
+    filtered = listed(log.missing or ("q", "qd", "qdd")) if log.band else ""
+    how = "by differences" if log.missing else "from the log"
+    notes = [f"{filtered} {how}, filtered without delay at {log.band:.3g} Hz"] if filtered else []
+    if log.decimate > 1:
+        notes.append(f"regressor and torques filtered alike, 1 of {log.decimate} rows kept")
     names = [parameter.name for parameter, own in zip(unknowns.base.parameters, kept, strict=True) if own]
     return notes + ([f"not excited by the log, kept as they were: {listed(names)}"] if names else [])

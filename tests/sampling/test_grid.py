@@ -8,7 +8,7 @@ import pytest
 from derive.errors import DeriveError
 from derive.inverse.numeric.chain import NumericChain
 from derive.robot.robot import Robot
-from derive.sampling.grid import MapGrid, Orientations, extent
+from derive.sampling.maps import MapGrid, Orientations, extent
 from derive.workspace.point import Range, joint_ranges
 from derive.workspace.poses import RobotPoses
 from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, NumericArm

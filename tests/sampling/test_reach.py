@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from derive.publish import modules
-from derive.sampling.grid import MapGrid
-from derive.sampling.maps import MapWork, computed, value_type
+from derive.sampling.maps import MapGrid, computed
 from tests.sampling.numeric_arms import ELBOW, PLANAR, PUMA, SCARA, UR5E, NumericArm
 
 SLOW = [pytest.param(arm, marks=pytest.mark.sweep) for arm in (UR5E, PUMA, PLANAR)]
@@ -16,12 +15,12 @@ ARMS = pytest.mark.parametrize("arm", [*SLOW, SCARA, ELBOW], ids=lambda arm: arm
 
 def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, starts: int = 50) -> tuple[int, int]:
     """Random pairs of cell and orientation of a map against numbers; how many are reached, and not."""
-    work = MapWork.of(grid := MapGrid.of(arm.robot, step, *turns, conditioning=pairs < 100))
+    grid = MapGrid.of(arm.robot, step, *turns, conditioning=pairs < 100)
     rng = np.random.default_rng(5)
     goals, values = [np.zeros((0, 4, 4))], []
     for block in grid.blocks:
         middles, near = grid.cells(block)
-        records = computed(block, work).reshape(*near.shape, -1)
+        records = computed(block, grid).reshape(*near.shape, -1)
         cells = rng.permutation(np.argwhere(near))[: 1 + pairs // len(grid.blocks)]
         turned = rng.integers(records.shape[-1], size=len(cells))
         goal = np.tile(np.eye(4), (len(cells), 1, 1))
@@ -38,12 +37,12 @@ def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, st
     assert np.array_equal(counts, found["postures"])
     assert counts.max() <= arm.postures
     reached = counts > 0
-    for name in [*value_type(grid)][1:]:
+    for name in [*grid.kinds][1:]:
         assert np.array_equal(np.isfinite(found[name]), reached), name
     some = np.flatnonzero(reached)
     worth = {"manipulability": arm.manipulability, "margin": arm.margins}
     if grid.conditioning:
-        units = work.row_units
+        units = grid.row_units
         worth["conditioning"] = lambda q: 1.0 / np.linalg.cond(arm.jacobian(q) / units)
     for name, function in worth.items():
         assert np.allclose(found[name][some], [max(function(searched[k])) for k in some], atol=1e-5), name
@@ -64,10 +63,10 @@ def test_postures_and_their_worth_are_those_of_numbers(
 @pytest.mark.sweep
 def test_without_a_compiler_it_is_the_same_map(monkeypatch: pytest.MonkeyPatch) -> None:
     grid = MapGrid.of(PUMA.robot, 0.3, 4, 2, conditioning=True)
-    compiled = computed(grid.blocks[0], MapWork.of(grid))
+    compiled = computed(grid.blocks[0], grid)
     monkeypatch.setattr(modules, "find_compiler", lambda: None)
-    plain = MapWork.of(MapGrid.of(replace(PUMA, name="plain").robot, 0.3, 4, 2, conditioning=True))
-    assert plain.sources.files[-1][0] == "model_numpy.py"
+    plain = MapGrid.of(replace(PUMA, name="plain").robot, 0.3, 4, 2, conditioning=True)
+    assert plain.solver[0].files[-1][0] == "model_numpy.py"
     other = computed(grid.blocks[0], plain)
-    for name in value_type(grid):
+    for name in grid.kinds:
         assert np.allclose(compiled[name], other[name], atol=1e-6, equal_nan=True), name

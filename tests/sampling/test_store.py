@@ -15,8 +15,7 @@ from derive.api.map import map as lazy_map
 from derive.api.map import write_map
 from derive.errors import DeriveError
 from derive.robot.robot import Robot
-from derive.sampling import grid
-from derive.sampling.maps import MapWork, map_dataset
+from derive.sampling import maps
 from tests.places import ROOT
 from tests.sampling.numeric_arms import ELBOW, SCARA
 
@@ -27,7 +26,7 @@ HOW = {"grid": 0.1, "orientations": 9}
 
 @pytest.fixture(autouse=True)
 def small_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grid, "_MOST", 1200)
+    monkeypatch.setattr(maps, "_MOST", 1200)
 
 
 def contents(store: Path) -> dict[str, bytes]:
@@ -56,8 +55,8 @@ KILLED = """
 import os, signal, sys
 from derive.robot.robot import Robot
 from derive.api.map import write_map
-from derive.sampling import grid
-grid._MOST = 1200
+from derive.sampling import maps
+maps._MOST = 1200
 tell = lambda _, text: text.startswith('3') and os.kill(os.getpid(), signal.SIGKILL)
 write_map(Robot.from_text(sys.argv[2]), sys.argv[1], grid=0.1, orientations=9, progress=tell)
 """
@@ -91,7 +90,7 @@ def test_a_cluster_that_loses_a_worker_makes_the_same_bytes(tmp_path: Path, whol
 def test_a_data_set_is_lazy_and_equals_the_store_and_a_box_is_a_part_of_it(tmp_path: Path) -> None:
     since = time.monotonic()
     with pytest.MonkeyPatch.context() as usual:
-        usual.setattr(grid, "_MOST", 2**19)
+        usual.setattr(maps, "_MOST", 2**19)
         fine = lazy_map(ROBOT, grid=0.004, orientations=360)
     assert time.monotonic() - since < 30.0  # a thousand times as many poses as can be computed in that time
     assert fine.postures.size > 1e9
@@ -107,7 +106,7 @@ def test_a_data_set_is_lazy_and_equals_the_store_and_a_box_is_a_part_of_it(tmp_p
     there = lazy.sel(x=box.x, y=box.y, z=box.z)
     assert box.sizes["x"] == 4
     xarray.testing.assert_equal(box.postures.compute(), there.postures.compute())
-    alone = map_dataset(MapWork.of(grid.MapGrid.of(ELBOW.robot, 0.2)))
+    alone = maps.map_dataset(maps.MapGrid.of(ELBOW.robot, 0.2))
     assert alone.postures.dims == ("x", "y", "z")
 
 
