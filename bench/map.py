@@ -35,7 +35,7 @@ def part_of(grid: MapGrid, every: int) -> float:
         count = fill_store(path, grid, workers, every=every)
         took = process_time() - since
     each = took / sum(cells[::every])
-    per_pose = 1e6 * each / len(grid.orientations.rotations)
+    per_pose = 1e6 * each / len(grid.rotations)
     say(f"{sum(cells)} cells within reach; {count} of {len(cells)} blocks: {per_pose:.3f} us of a core per pose")
     return each * sum(cells)
 

@@ -17,9 +17,11 @@ from time import perf_counter, process_time
 import numpy as np
 
 from derive.api.robots import load
-from derive.robot.evaluate import parameter_values
+from derive.publish.modules import imported, serving_sources
 from derive.sampling.clusters import cluster
-from derive.sampling.sample import BLOCK, KINDS, Sampling, bounds_of, program_for, sampled, sources_of
+from derive.sampling.sample import BLOCK, KINDS, Sampling, bounds_of, program_for, sampled
+from derive.targets.target import Source
+from derive.version import __version__
 
 ROBOT, FUNCTIONS = "puma560-corke", ("forward_kinematics", "jacobian")
 CORES = os.cpu_count() or 1
@@ -29,9 +31,8 @@ def prepared(number: int) -> Sampling:
     """The work, compiled."""
     robot = load(ROBOT, remarks_on_bodies=False)
     program = program_for(robot, FUNCTIONS)
-    numbers = {name: float(value) for name, value in parameter_values(robot).items()}
     functions = tuple((each.name, each.arguments, each.shape) for each in program)
-    sources = sources_of(robot, program, numbers)
+    sources = serving_sources(Source(robot, program, __version__))
     return Sampling(sources, functions, {}, bounds_of(robot, program, {}), number, 0, 0, KINDS[:3])
 
 
@@ -45,8 +46,6 @@ def ours(work: Sampling, workers: int) -> str:
 
 def loop(work: Sampling, workers: int) -> str:
     """What somebody would write by hand, with the same compiled functions."""
-    from derive.publish.modules import imported
-
     module, _folder = imported(work.sources)
     low, high = work.bounds["q"]
     streams = np.random.SeedSequence(0).spawn(workers)

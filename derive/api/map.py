@@ -133,7 +133,7 @@ def write_map(
     refuse_taken(pictures, force=force)
     suffixes = [ending_of(name, SUFFIXES) for name in pictures]
     grid = MapGrid.of(load(robot, remarks_on_bodies=False), **asked)
-    poses = math.prod(grid.shape) * len(grid.orientations.rotations)
+    poses = math.prod(grid.shape) * len(grid.rotations)
     if poses > _MOST and not large:
         size = poses * sum(int(kind[1]) for kind in grid.kinds.values()) / 1e9
         raise DeriveError(

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import product
@@ -72,33 +72,29 @@ _THIRDS = TURN / 3.0 * np.arange(3.0)
 _RADIANS = {"units": "rad"}
 
 
-@dataclass(frozen=True, eq=False)
-class Orientations:
-    """The orientations in which each cell is tried."""
+# By name the dimension along which values lie, the values, and their unit, as xarray takes them.
+Coordinates = dict[str, tuple[str, Array, dict[str, str]]]
 
-    rotations: Array  # (m, 3, 3)
-    sizes: Mapping[str, int]  # names and lengths of their dimensions, whose product is m
-    # By name: the dimension along which they lie, their values, and the unit, as xarray takes them.
-    coordinates: dict[str, tuple[str, Array, dict[str, str]]]
 
-    @classmethod
-    def of(cls, task: Task, count: int, rolls: int) -> Orientations:
-        """Those of a task: directions of z on a Fibonacci sphere and rolls about it, or angles about the world's z."""
-        if "phi" in task:
-            angle = TURN / count * np.arange(count, dtype=float)
-            return cls(_about_z(angle), {"angle": count}, {"angle": ("angle", angle, _RADIANS)})
-        if not {"approach", "orientation"} & set(task):
-            return cls(np.eye(3)[None], {}, {})
-        places = np.arange(count, dtype=float)
-        tilt = _about_z(np.arccos(1.0 - (2.0 * places + 1.0) / count))[:, [1, 2, 0]][:, :, [1, 2, 0]]  # about y
-        directed = _about_z(_GOLDEN * places) @ tilt
-        known = {f"direction_{name}": ("direction", directed[:, k, 2], {"units": "1"}) for k, name in enumerate("xyz")}
-        if "approach" in task:
-            return cls(directed, {"direction": count}, known)
-        roll = TURN / rolls * np.arange(rolls, dtype=float)
-        turns = directed[:, None] @ _about_z(roll)
-        known["roll"] = ("roll", roll, _RADIANS)
-        return cls(turns.reshape(-1, 3, 3), {"direction": count, "roll": rolls}, known)
+def orientations_of(task: Task, count: int, rolls: int) -> tuple[Array, dict[str, int], Coordinates]:
+    """Directions of z on a Fibonacci sphere and rolls about it, or angles about the world's z, as a task has them.
+
+    Rotations (m, 3, 3), names and lengths of their dimensions, whose product is m, and what lies along these.
+    """
+    if "phi" in task:
+        angle = TURN / count * np.arange(count, dtype=float)
+        return _about_z(angle), {"angle": count}, {"angle": ("angle", angle, _RADIANS)}
+    if not {"approach", "orientation"} & set(task):
+        return np.eye(3)[None], {}, {}
+    places = np.arange(count, dtype=float)
+    tilt = _about_z(np.arccos(1.0 - (2.0 * places + 1.0) / count))[:, [1, 2, 0]][:, :, [1, 2, 0]]  # about y
+    directed = _about_z(_GOLDEN * places) @ tilt
+    known = {f"direction_{name}": ("direction", directed[:, k, 2], {"units": "1"}) for k, name in enumerate("xyz")}
+    if "approach" in task:
+        return directed, {"direction": count}, known
+    roll = TURN / rolls * np.arange(rolls, dtype=float)
+    turns = (directed[:, None] @ _about_z(roll)).reshape(-1, 3, 3)
+    return turns, {"direction": count, "roll": rolls}, known | {"roll": ("roll", roll, _RADIANS)}
 
 
 def _about_z(angle: Array) -> Array:
@@ -120,7 +116,9 @@ class MapGrid:
     block_shape: tuple[int, ...]  # cells of a block along each axis, where no end of the grid cuts it
     middle: Array  # (axes,) of the ball that holds all positions [m]
     radius: float  # of this ball [m]
-    orientations: Orientations
+    rotations: Array  # (m, 3, 3) the orientations in which each cell is tried
+    sizes: dict[str, int]  # names and lengths of their dimensions, whose product is m
+    coordinates: Coordinates  # what lies along these
     conditioning: bool = False  # whether the condition of the Jacobian is wanted, too
 
     @classmethod
@@ -150,11 +148,11 @@ class MapGrid:
             low, high = _within(low, high, axes, box)
         first = np.floor(low / grid + _ROUNDING).astype(int)
         count = np.maximum(np.ceil(high / grid - _ROUNDING).astype(int) - first, 1)
-        turns = Orientations.of(task, orientations, rolls)
-        most = min(count.max(), (_MOST / len(turns.rotations)) ** (1.0 / len(axes)))
+        turns = orientations_of(task, orientations, rolls)
+        most = min(count.max(), (_MOST / len(turns[0])) ** (1.0 / len(axes)))
         sides = np.minimum(count, 2 ** int(math.log2(max(1.0, most))))
         whole = tuple(first.tolist()), tuple(count.tolist()), tuple(sides.tolist())
-        return cls(arm, ranges, axes, grid, *whole, middle, radius, turns, conditioning)
+        return cls(arm, ranges, axes, grid, *whole, middle, radius, *turns, conditioning)
 
     @property
     def centres(self) -> tuple[Array, ...]:
@@ -315,7 +313,7 @@ def _most(chain: NumericChain, ranges: Sequence[Range], value: Callable[[Array],
 
 def computed(block_id: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
     """The values of a block, (cells..., orientations...) records; ``block_id`` may go on as that of a Dask array."""
-    turns, kinds = grid.orientations.rotations, grid.kinds
+    turns, kinds = grid.rotations, grid.kinds
     middles, is_near = grid.cells(block_id[: len(grid.axes)])
     nothing = np.array((0, *[np.nan] * (len(kinds) - 1)), dtype=[*kinds.items()])
     found = np.full((*is_near.shape, len(turns)), nothing)
@@ -328,13 +326,13 @@ def computed(block_id: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
         goals[:, :, axes, 3] = middles[some][:, None]
         for name, value in zip(kinds, grid.values(goals.reshape(-1, 4, 4)), strict=True):
             found[name][some] = value.reshape(len(goals), len(turns))
-    return found.reshape(*is_near.shape, *grid.orientations.sizes.values())
+    return found.reshape(*is_near.shape, *grid.sizes.values())
 
 
 def map_dataset(grid: MapGrid) -> Any:
     """The map as an `xarray.Dataset` of lazy Dask arrays, one chunk for each block."""
     arrays, xarray = data_module("dask.array", _NEEDED), data_module("xarray", _NEEDED)
-    sizes, kinds = grid.orientations.sizes, grid.kinds
+    sizes, kinds = grid.sizes, grid.kinds
     turns, about = tuple(sizes.values()), attributes(grid)  # the grid goes to the workers with its solver
     chunks = arrays.core.normalize_chunks((*grid.block_shape, *turns), (*grid.shape, *turns))
     empty = np.empty((0,) * len(chunks), [*kinds.items()])
@@ -345,7 +343,7 @@ def map_dataset(grid: MapGrid) -> Any:
     variables = {name: ((*grid.axes, *sizes), records[name], words) for name, words in told.items()}
     variables[_SHARE] = (grid.axes, share_of(records, grid), _SHARED)
     along = {name: (name, values, {"units": "m"}) for name, values in zip(grid.axes, grid.centres, strict=True)}
-    return xarray.Dataset(variables, along | grid.orientations.coordinates, about)
+    return xarray.Dataset(variables, along | grid.coordinates, about)
 
 
 def attributes(grid: MapGrid) -> dict[str, Any]:
@@ -361,7 +359,7 @@ def attributes(grid: MapGrid) -> dict[str, Any]:
         "cell_m": grid.step,
         "first_cell": list(grid.first),
         "cells": list(grid.shape),
-        "orientations": dict(grid.orientations.sizes),
+        "orientations": dict(grid.sizes),
         "inverse_kinematics": f"{Path(sources.files[-1][0]).stem}, up to {branches} postures",
         "derive_version": __version__,
     }
@@ -396,7 +394,7 @@ def fill_store(path: Path, grid: MapGrid, workers: Cluster, tell: Tell | None = 
     names = [*[*grid.kinds][1:], _SHARE, _LAST]
     with zarr.config.set({"array.write_empty_chunks": True}):  # a chunk exists once it is written, whatever is in it
         arrays = {name: zarr.open_array(path / name, mode="r+") for name in names}
-        key_of, turns = arrays[_LAST].metadata.encode_chunk_key, [0] * len(grid.orientations.sizes)
+        key_of, turns = arrays[_LAST].metadata.encode_chunk_key, [0] * len(grid.sizes)
         blocks = [each for each in grid.blocks if not (path / _LAST / key_of((*each, *turns))).exists()][::every]
         done = workers.in_order(computed, blocks, workers.shared(grid), what=f"map of {grid.robot.name}", tell=tell)
         for block, records in zip(blocks, done, strict=True):

@@ -188,22 +188,20 @@ def bounds_of(robot: Robot, program: Program, given: Mapping[str, Bound]) -> dic
     if free:
         found = f"no limits of {listed(variable.label for variable in free)}: full turns"
         warnings.warn(RobotFileWarning(found), stacklevel=3)
-    taken = {name for function in program for name in function.arguments}
-    sides = {name: _sides(robot, name, given.get(option)) for name, option in BOUNDS.items() if name in taken}
-    return {"q": np.transpose([pair or (-pi, pi) for pair in limits]), **sides}
-
-
-def _sides(robot: Robot, name: str, given: Bound) -> Array:
-    """Bounds of an argument either way: one for all entries, one for each, or the robot file's own."""
-    width, option = WIDTHS.get(name, robot.dof), BOUNDS[name]
-    own: Any = joint_bounds(robot).get({"qd": "SPEED_LIMITS", "tau": "TORQUE_LIMITS"}.get(name, ""), (None,))
-    if given is None and None in own:
-        raise DeriveError(f"{name} has no bounds", remedy=f"give --{option}: one number or {width} [SI units]")
-    values = np.array(own if given is None else given, dtype=float)
-    if values.size not in (1, width) or not (np.isfinite(values) & (values >= 0)).all():
-        text = listed(f"{value:g}" for value in values.ravel())
-        raise DeriveError(f"--{option} {text}", allowed=f"allowed: one number from 0 on, or {width}")
-    return np.outer([-1.0, 1.0], np.resize(values, width))
+    bounds = {"q": np.transpose([pair or (-pi, pi) for pair in limits])}
+    for name, option in BOUNDS.items():
+        if not any(name in function.arguments for function in program):
+            continue
+        width, values = WIDTHS.get(name, robot.dof), given.get(option)
+        own: Any = joint_bounds(robot).get({"qd": "SPEED_LIMITS", "tau": "TORQUE_LIMITS"}.get(name, ""), (None,))
+        if values is None and None in own:
+            raise DeriveError(f"{name} has no bounds", remedy=f"give --{option}: one number or {width} [SI units]")
+        most = np.array(own if values is None else values, dtype=float)
+        if most.size not in (1, width) or not (np.isfinite(most) & (most >= 0)).all():
+            text = listed(f"{value:g}" for value in most.ravel())
+            raise DeriveError(f"--{option} {text}", allowed=f"allowed: one number from 0 on, or {width}")
+        bounds[name] = np.outer([-1.0, 1.0], np.resize(most, width))
+    return bounds
 
 
 def sampled(work: Sampling, cluster: Cluster, chunk: int, what: str, tell: Tell | None) -> dict[str, Sampled]:

@@ -24,7 +24,7 @@ def compare(arm: NumericArm, step: float, turns: tuple[int, int], pairs: int, st
         cells = rng.permutation(np.argwhere(near))[: 1 + pairs // len(grid.blocks)]
         turned = rng.integers(records.shape[-1], size=len(cells))
         goal = np.tile(np.eye(4), (len(cells), 1, 1))
-        goal[:, :3, :3] = grid.orientations.rotations[turned]
+        goal[:, :3, :3] = grid.rotations[turned]
         goal[:, ["xyz".index(name) for name in grid.axes], 3] = middles[tuple(cells.T)]
         goals.append(goal)
         values.append(records[(*cells.T, turned)])
