@@ -163,7 +163,7 @@ def _slice_picture(grid: MapGrid, shares: npt.NDArray[np.float32], suffix: str) 
     if len(axes) == 3:
         k = axes.index(_SLICED)
         place = int(np.abs(centres[k]).argmin())
-        shares, where = shares[(slice(None),) * k + (place,)], f" at {_SLICED} = {centres[k][place]:.4g} m"
+        shares, where = np.take(shares, place, axis=k), f" at {_SLICED} = {centres[k][place]:.4g} m"
         del axes[k], centres[k]
     if len(axes) == 1:
         axes, centres, shares = [*axes, ""], [*centres, np.zeros(1)], shares[:, None]

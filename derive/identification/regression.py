@@ -44,7 +44,8 @@ class Factors:
         """Take in some rows: (rows, n, p) and (rows, n)."""
         self.rows += len(torques)
         for j, own in enumerate(self.columns):
-            self.factors[j] = _triangle([self.factors[j], np.column_stack([regressor[:, j, own], torques[:, j]])])
+            rows = np.vstack([self.factors[j], np.column_stack([regressor[:, j, own], torques[:, j]])])
+            self.factors[j] = np.asarray(np.linalg.qr(rows, mode="r"))
 
     def squares(self, beta: Array) -> Array:
         """(n,) the sum of squares of each joint's tau - Y_b beta."""
@@ -61,11 +62,7 @@ class Factors:
         for factor, own, weight in zip(self.factors, self.columns, weights, strict=True):
             rows.append(np.zeros((len(factor), self.count + 1)))
             rows[-1][:, [*own, self.count]] = weight * factor
-        return _triangle(rows)
-
-
-def _triangle(rows: Sequence[Array]) -> Array:
-    return np.asarray(np.linalg.qr(np.concatenate(rows), mode="r"))
+        return np.asarray(np.linalg.qr(np.vstack(rows), mode="r"))
 
 
 @dataclass(frozen=True, eq=False)
