@@ -32,7 +32,7 @@ def part_of(grid: MapGrid, every: int) -> float:
     with tempfile.TemporaryDirectory() as folder, cluster(1) as workers:
         begin_store(path := Path(folder) / "map.zarr", grid)
         since = process_time()
-        count = fill_store(path, grid, workers, every=every)
+        count, _ = fill_store(path, grid, workers, every=every)
         took = process_time() - since
     each = took / sum(cells[::every])
     per_pose = 1e6 * each / len(grid.rotations)

@@ -17,7 +17,7 @@ from derive.errors import DeriveError, OutputError, listed
 from derive.handouts.figure.writers import SUFFIXES, figure_bytes, require_matplotlib
 from derive.publish.atomic_folder import ending_of, refuse_taken, write_files
 from derive.sampling.clusters import cluster
-from derive.sampling.maps import MapGrid, begin_store, fill_store, map_dataset, stored_shares
+from derive.sampling.maps import MapGrid, begin_store, fill_store, map_dataset
 
 if TYPE_CHECKING:
     import xarray
@@ -143,8 +143,7 @@ def write_map(
         )
     with cluster(workers, scheduler) as found:
         begin_store(path, grid)
-        computed = fill_store(path, grid, found, progress)
-    shares = stored_shares(path)
+        computed, shares = fill_store(path, grid, found, progress)
     turning = [way.variable for way in grid.ranges if way.assumed and way.revolute]
     sliding = [f"{way.variable} {way.interval}" for way in grid.ranges if way.assumed and not way.revolute]
     remarks = [f"without limits: {listed(turning)}, full turns"] if turning else []

@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from importlib import import_module
 from importlib.util import find_spec
 from itertools import islice
 from typing import Any, TypeVar
@@ -23,11 +24,6 @@ _AHEAD = 4  # blocks under way for each thread: enough that none waits for the n
 Block = TypeVar("Block")
 Result = TypeVar("Result")
 Tell = Callable[[str, str], None]  # called with what is computed and how far it is
-
-
-def data_module(name: str, what: str = "many configurations on Dask") -> Any:
-    """A module that the extra ``data`` brings; ``what`` says who needs it."""
-    return optional(name, f"{what} need {name.partition('.')[0]}", "data")
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,14 +66,15 @@ class Cluster:
 def cluster(workers: int | None = None, scheduler: str | None = None) -> Iterator[Cluster]:
     """Threads, which suffice for compiled functions, or a scheduler's workers, which Dask's collections use, too."""
     if scheduler is None:
-        count, dask = workers or os.cpu_count() or 1, data_module("dask") if find_spec("dask") else None
+        count, dask = workers or os.cpu_count() or 1, import_module("dask") if find_spec("dask") else None
         with ThreadPoolExecutor(count) as pool, dask.config.set(pool=pool) if dask else nullcontext():
             yield Cluster(pool, count)
         return
     if workers is not None:
         raise DeriveError("--workers with --scheduler", remedy="leave one out: the cluster has its own workers")
     try:  # as the default, a client that finds no scheduler would take all that is computed afterwards, and wait
-        found = data_module("distributed").Client(scheduler, timeout=PATIENCE, set_as_default=False)
+        distributed = optional("distributed", "many configurations on Dask need distributed", "data")
+        found = distributed.Client(scheduler, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
         raise DeriveError(
             f"no Dask scheduler answers at {scheduler!r} within {PATIENCE} s",

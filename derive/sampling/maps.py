@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from derive.arrays import Array, Flags
-from derive.errors import DeriveError, OutputError, QuantityError, listed
+from derive.errors import DeriveError, OutputError, QuantityError, listed, optional
 from derive.inverse.numeric.chain import NumericChain
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
@@ -31,7 +31,7 @@ from derive.robot.options.inverse import POSE, InverseOptions, Task
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.robot.tree import require_chain
-from derive.sampling.clusters import Cluster, Tell, data_module
+from derive.sampling.clusters import Cluster, Tell
 from derive.targets.target import Source
 from derive.version import __version__
 from derive.workspace.point import TURN, Range, joint_ranges
@@ -59,7 +59,7 @@ _SLACK = 1e-9  # by which a joint may be beyond a limit [rad or m]
 _LAST = "postures"  # written last of a block, whose chunk of it says that all of the block is there
 _SHARE = "reachability"  # per cell
 _SHARED = {"units": "1", "long_name": "share of the orientations in which the cell's centre is reached"}
-_NEEDED = "maps"
+_ZARR = ("zarr", "maps need zarr", "data")
 
 _MOST = 2**19  # poses of a block: half a second of compiled code, and a few megabytes
 _ROUNDING = 1e-6  # parts of a cell by which the arm's box may be in the next one
@@ -331,7 +331,8 @@ def computed(block_id: tuple[int, ...], grid: MapGrid) -> npt.NDArray[Any]:
 
 def map_dataset(grid: MapGrid) -> Any:
     """The map as an `xarray.Dataset` of lazy Dask arrays, one chunk for each block."""
-    arrays, xarray = data_module("dask.array", _NEEDED), data_module("xarray", _NEEDED)
+    arrays = optional("dask.array", "maps need dask", "data")
+    xarray = optional("xarray", "maps need xarray", "data")
     sizes, kinds = grid.sizes, grid.kinds
     turns, about = tuple(sizes.values()), attributes(grid)  # the grid goes to the workers with its solver
     chunks = arrays.core.normalize_chunks((*grid.block_shape, *turns), (*grid.shape, *turns))
@@ -379,7 +380,7 @@ def begin_store(path: Path, grid: MapGrid) -> None:
                 made.rename(path)
     remedy = "choose another name, or leave out what differs"
     try:
-        there = data_module("zarr", _NEEDED).open_group(path, mode="r").attrs
+        there = optional(*_ZARR).open_group(path, mode="r").attrs
     except (OSError, ValueError) as error:
         raise OutputError(f"{path} is not the store of a map", remedy=remedy) from error
     if differing := [name for name, value in attributes(grid).items() if there.get(name) != value]:
@@ -388,9 +389,11 @@ def begin_store(path: Path, grid: MapGrid) -> None:
         file.unlink()
 
 
-def fill_store(path: Path, grid: MapGrid, workers: Cluster, tell: Tell | None = None, every: int = 1) -> int:
-    """Compute and write the blocks that are missing, or every so many-th of them; how many there were."""
-    zarr = data_module("zarr", _NEEDED)
+def fill_store(
+    path: Path, grid: MapGrid, workers: Cluster, tell: Tell | None = None, every: int = 1
+) -> tuple[int, npt.NDArray[np.float32]]:
+    """Compute and write missing blocks, or every so many-th; how many there were, and what share each cell has now."""
+    zarr = optional(*_ZARR)
     names = [*[*grid.kinds][1:], _SHARE, _LAST]
     with zarr.config.set({"array.write_empty_chunks": True}):  # a chunk exists once it is written, whatever is in it
         arrays = {name: zarr.open_array(path / name, mode="r+") for name in names}
@@ -401,12 +404,7 @@ def fill_store(path: Path, grid: MapGrid, workers: Cluster, tell: Tell | None = 
             with system_errors(path, "make room and go on with --resume; finished blocks are kept"):
                 for name in names:
                     arrays[name][grid.slices(block)] = share_of(records, grid) if name == _SHARE else records[name]
-    return len(blocks)
-
-
-def stored_shares(path: Path) -> npt.NDArray[np.float32]:
-    """Of each cell the share of orientations that are reached."""
-    return np.asarray(data_module("zarr", _NEEDED).open_array(path / _SHARE, mode="r")[...])
+        return len(blocks), np.asarray(arrays[_SHARE][...])
 
 
 def share_of(records: Any, grid: MapGrid) -> Any:
