@@ -37,6 +37,7 @@ class PolynomialDomain:
         max_terms: int = UNBOUNDED,
     ) -> None:
         self.robot, self.contraction = robot, contraction
+        self._pairs: dict[Expression, tuple[Polynomial, Polynomial]] = {}  # cosine and sine of the angles seen
         # groups: revolute joints with parallel axes, see `derive.algebra.angles`; directions: for each joint +1, or -1
         # where its angle is subtracted in the sums of its group
         self.groups, self.directions = contracted_groups(robot, contraction)
@@ -73,6 +74,7 @@ class PolynomialDomain:
                 self.ring.relate_root(g.name, self.constant(g.argument))
             elif g.kind is Kind.INVERSE:
                 self.ring.relate_inverse(g.name, self.constant(g.argument))
+        self._pairs.clear()  # from here on all relations hold
 
     def _same_angles(self) -> dict[int, tuple[int, int]]:
         """For each coupled joint whose sum is that of a joint before, or opposed, that joint and +-1; 0 for no sum."""
@@ -261,10 +263,12 @@ class PolynomialDomain:
 
     def cosine_sine(self, angle: Expression) -> tuple[Polynomial, Polynomial]:
         """Cosine and sine of an angle made of constants and joint variables."""
-        exact = generators.bundled(decompose(canonical(angle)), frozenset(self._revolute))
-        pair = self._pi_multiple(exact.pi_multiple)
-        for unit, k in exact.terms:
-            pair = _add_angles(pair, self._unit_multiple(unit, k))
+        if (pair := self._pairs.get(angle)) is None:
+            exact = generators.bundled(decompose(canonical(angle)), frozenset(self._revolute))
+            pair = self._pi_multiple(exact.pi_multiple)
+            for unit, k in exact.terms:
+                pair = _add_angles(pair, self._unit_multiple(unit, k))
+            self._pairs[angle] = pair
         return pair
 
     def _pi_multiple(self, multiple: Fraction) -> tuple[Polynomial, Polynomial]:

@@ -146,6 +146,7 @@ class Atoms:
     roots: dict[Expression, None] = field(default_factory=dict)  # radicands of the other square roots, innermost first
     inverses: dict[Expression, None] = field(default_factory=dict)  # denominators, innermost first
     has_pi: bool = False  # whether pi occurs outside of angles
+    angles: set[Expression] = field(default_factory=set)  # those recorded: formulas have the same few again and again
 
     def is_common(self, unit: Expression) -> bool:
         """Whether all multiples of a unit are expanded by the addition theorem from one common part."""
@@ -153,6 +154,9 @@ class Atoms:
 
     def add_angle(self, e: Expression) -> None:
         """Record what the sine and cosine of an angle need."""
+        if e in self.angles:
+            return
+        self.angles.add(e)
         exact = bundled(decompose(canonical(e)), self.joints)
         rest = abs(split_pi(exact.pi_multiple)[1])
         if rest in SPECIAL:

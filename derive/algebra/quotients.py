@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from math import prod
 
 from derive.algebra.domain import PolynomialDomain
@@ -69,11 +70,17 @@ class QuotientRing:
         # whether different polynomials are certainly different functions: no roots, nothing that is not algebraic, no
         # constant angles but multiples of pi/4 and pi/6
         self.faithful = algebraic == given and units_are_plain and not has_others
-        self.domain = PolynomialDomain(robot, plain, max_terms=MAX_PRODUCT_TERMS)
+        self._robot, self._plain = robot, plain
+
+    @cached_property
+    def domain(self) -> PolynomialDomain:
+        """The ring itself, which formulas that differ at a point do without."""
+        domain = PolynomialDomain(self._robot, self._plain, max_terms=MAX_PRODUCT_TERMS)
         # an inverse u x = 1 of an x that is zero would make every polynomial of the ring zero
-        for generator in self.domain.generators:
-            if generator.kind is Kind.INVERSE and not self.domain.constant(generator.argument):
+        for generator in domain.generators:
+            if generator.kind is Kind.INVERSE and not domain.constant(generator.argument):
                 raise _division_by_zero(generator.argument)
+        return domain
 
     def difference(self, ours: Expression, theirs: Expression) -> Polynomial:
         """A polynomial that is zero exactly where two formulas are equal wherever both are defined."""

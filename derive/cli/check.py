@@ -74,13 +74,14 @@ def configure(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every file, or the one formula."""
-    from derive.publish.atomic_folder import refuse_taken
-
     if arguments.out == STDOUT and arguments.json:
         raise CheckError(f"--json with -o {STDOUT}", remedy="name a file with -o")
     if arguments.out is not None and arguments.out.suffix == ".html" and arguments.latex is None:
         raise CheckError("a web page of formulas that are no LaTeX", remedy="give --latex, or name a .md file")
-    refuse_taken([arguments.out] if arguments.out not in (None, STDOUT) else [], force=arguments.force)
+    if arguments.out not in (None, STDOUT):
+        from derive.publish.atomic_folder import refuse_taken
+
+        refuse_taken([arguments.out], force=arguments.force)
     formulas = [text for text in (arguments.expression, arguments.latex) if text is not None]
     if not arguments.files and arguments.latex is None:
         raise CheckError("no file", remedy="name a corpus file, or a robot and a formula: derive check --help")
@@ -156,12 +157,12 @@ def _told(
 ) -> int:
     """Write the page where it is asked for, print data or lines (None for a table), and tell the exit status."""
     from derive.checking.report import errata_report
-    from derive.publish.atomic_folder import write_files
 
     if arguments.out == STDOUT:
         print(errata_report(printouts), end="")
     elif arguments.out is not None:
         from derive.checking.page import verdict_page
+        from derive.publish.atomic_folder import write_files
 
         is_page = arguments.out.suffix == ".html" and robots
         page = verdict_page(printouts, robots) if is_page else errata_report(printouts)

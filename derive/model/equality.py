@@ -265,23 +265,28 @@ def form_of(e: Expression) -> tuple[Fraction, Shape]:
             forms = tuple(form_of(a) for a in arguments)
             is_turned = function in _PARITY and forms[0][0] < 0  # cos(q2 - q1) = cos(q1 - q2)
             forms = ((-forms[0][0], forms[0][1]),) if is_turned else forms
-            return Fraction(_PARITY[function]) if is_turned else UNIT, ("call", function, *forms)
+            texts = (f"{k} {_text(shape)}" for k, shape in forms)
+            return Fraction(_PARITY[function]) if is_turned else UNIT, ("call", function, *texts)
 
 
 def _form_of_product(e: Product | Power) -> tuple[Fraction, Shape]:
     factor = UNIT
-    factors: dict[Shape, int] = {}
+    factors: dict[str, tuple[int, Shape]] = {}
     # powers of the same base are joined, so that the order and the grouping of factors do not count
     for base, exponent in _flat_factors(e, 1):
         k, shape = form_of(base)
         factor = factor if k is UNIT else factor * k**exponent if k else k
-        for part, power in shape[1:] if shape[0] == "*" else ((shape, 1),):
-            factors[part] = factors.get(part, 0) + power * exponent
-    # by their text: shapes hold names, numbers and tuples, which have no order among each other
-    kept = sorted(((s, p) for s, p in factors.items() if p), key=repr)
+        for text, power, part in shape[1:] if shape[0] == "*" else ((_text(shape), 1, shape),):
+            factors[text] = factors.get(text, (0,))[0] + power * exponent, part
+    kept = sorted((text, power, part) for text, (power, part) in factors.items() if power)
     if len(kept) == 1 and kept[0][1] == 1:
-        return factor, kept[0][0]
+        return factor, kept[0][2]
     return factor, ("*", *kept)
+
+
+def _text(shape: Shape) -> str:
+    """A form in writing: forms hold names, numbers and tuples, which have no order among each other."""
+    return ",".join([part if isinstance(part, str) else f"{part[0]}:{part[1]}" for part in shape]).join("()")
 
 
 def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
@@ -292,18 +297,18 @@ def _flat_factors(e: Expression, exponent: int) -> list[tuple[Expression, int]]:
 
 
 def _form_of_sum(e: Sum) -> tuple[Fraction, Shape]:
-    terms: list[tuple[Fraction, Shape]] = []
+    terms: list[tuple[str, Fraction, Shape]] = []
     for term in e.terms:
         k, shape = form_of(term)
         if shape[0] == "+":
-            terms.extend((k * inner, s) for inner, s in shape[1:])
+            terms.extend((text, k * inner, s) for text, inner, s in shape[1:])
         elif k:
-            terms.append((k, shape))
+            terms.append((_text(shape), k, shape))
     if len(terms) < 2:
-        return terms[0] if terms else (Fraction(0), ONE)
-    terms.sort(key=lambda pair: (repr(pair[1]), pair[0]))
+        return terms[0][1:] if terms else (Fraction(0), ONE)
+    terms.sort()
     # the rational that leaves whole numbers without a common factor, the first of them positive
-    content = Fraction(gcd(*(k.numerator for k, _ in terms)), lcm(*(k.denominator for k, _ in terms)))
-    if terms[0][0] < 0:
+    content = Fraction(gcd(*(k.numerator for _, k, _ in terms)), lcm(*(k.denominator for _, k, _ in terms)))
+    if terms[0][1] < 0:
         content = -content
-    return content, ("+", *((int(k / content), s) for k, s in terms))
+    return content, ("+", *((text, int(k / content), s) for text, k, s in terms))

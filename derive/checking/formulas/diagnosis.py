@@ -131,10 +131,11 @@ class _Search:
         factors = dict.fromkeys([*tokens, *singles, *map(Name, known_names)])
         terms = [*dict.fromkeys([*terms, *map(negate, terms)])]
         self.may = slips.Replacements(tuple(known_names), angles, tuple(factors), tuple(terms))
-        self.known: dict[Expression, float] = {}  # values of nodes of which changed formulas are made
-        for e in (*reversed([*nodes(question.printed)]), *self.may.factors, *self.may.terms):
+        self.known: dict[int, float] = {}  # values of nodes of which changed formulas are made
+        both = (*nodes(question.right), *nodes(question.printed))  # from below
+        for e in (*reversed(both), *self.may.factors, *self.may.terms):
             with suppress(*NO_VALUE):
-                self.known[e] = float_value(e, values, self.known)
+                self.known[id(e)] = float_value(e, values, self.known)
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""
@@ -169,13 +170,17 @@ class _Search:
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
         """The changes that give the right value at the point."""
+        far = 1000 * CLOSE * (1 + abs(self.target))  # more than a line to the root can be off by rounding
         for place in places:
             for edit in slips.edits(place, self.may, kind):
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return
                 with suppress(*NO_VALUE, TypeError):
-                    value = self._compared_value(place.value(float_value(edit.node, self.values, self.known)))
+                    here = float_value(edit.node, self.values, self.known)
+                    if place.line and not self.outer and abs(place.line[0] * here + place.line[1] - self.target) > far:
+                        continue
+                    value = self._compared_value(place.value(here))
                     if abs(value - self.target) <= CLOSE * (1 + abs(self.target)):
                         yield edit
 

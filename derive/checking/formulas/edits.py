@@ -25,7 +25,8 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
 SWAPPED = {"cos": "sin", "sin": "cos"}
-Known = Mapping[Expression, float] | None  # values of nodes, which are not evaluated again
+Known = Mapping[int, float]  # values of nodes by their identity, which are not evaluated again
+NOTHING: Known = {}
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
@@ -39,6 +40,7 @@ class Spot:
     siblings: tuple[float, ...] = ()  # values of all children of the node above
     depth: int = 0  # nodes above it
     cost: int = 1  # float operations of one value of the whole, about
+    line: tuple[float, float] | None = None  # a and b where the whole is a x + b for x here, as in sums and products
 
     @property
     def parent(self) -> Expression | None:
@@ -68,9 +70,9 @@ class Spot:
         return self.above.formula(tree.rebuilt(self.above.node, lambda _: next(changed)))
 
 
-def float_value(e: Expression, values: Mapping[str, float], known: Known = None) -> float:
+def float_value(e: Expression, values: Mapping[str, float], known: Known = NOTHING) -> float:
     """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
-    if known and (value := known.get(e)) is not None:
+    if (value := known.get(id(e))) is not None:
         return value
     return _combined(e, [float_value(child, values, known) for child in tree.children(e)], values)
 
@@ -94,9 +96,9 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
             return FUNCTIONS[function](*parts)
 
 
-def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = None) -> Iterator[Spot]:
+def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = NOTHING) -> Iterator[Spot]:
     """Every place of a formula from the root down, plain cosines and sines as tokens; values only at a point."""
-    waiting = [Spot(root)]
+    waiting = [Spot(root, line=(1.0, 0.0))]
     while waiting:
         spot = waiting.pop()
         yield spot
@@ -104,7 +106,21 @@ def spots(root: Expression, values: Mapping[str, float] | None = None, known: Kn
             parts = tree.children(spot.node)
             siblings = () if values is None else tuple(float_value(part, values, known) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
-            waiting += reversed([Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)])
+            lines = [*_lines(spot, siblings)] if siblings and spot.line else [None] * len(parts)
+            waiting += reversed([Spot(part, spot, i, siblings, depth, cost, lines[i]) for i, part in enumerate(parts)])
+
+
+def _lines(spot: Spot, parts: Sequence[float]) -> Iterator[tuple[float, float] | None]:
+    """How the whole depends on each part of a place."""
+    (slope, offset), is_sum = spot.line or (0.0, 0.0), isinstance(spot.node, Sum)
+    total = sum(parts) if is_sum else 0.0
+    for i, part in enumerate(parts):
+        if is_sum:
+            yield slope, offset + slope * (total - part)
+        elif isinstance(spot.node, Product):
+            yield slope * math.prod((*parts[:i], *parts[i + 1 :])), offset
+        else:
+            yield None
 
 
 def is_token(e: Expression) -> bool:
