@@ -11,6 +11,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import comb, prod
+from operator import attrgetter, is_
+from typing import Any
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,20 +130,23 @@ def negate(expression: Expression) -> Expression:
     return multiply(MINUS_ONE, expression)
 
 
+_PARTS: Mapping[type, Callable[[Any], tuple[Expression, ...]]] = {
+    **{Sum: attrgetter("terms"), Product: attrgetter("factors"), Call: attrgetter("arguments")},
+    Power: lambda e: (e.base,),
+}
+
+
 def children(expression: Expression) -> tuple[Expression, ...]:
     """The direct subexpressions."""
-    match expression:
-        case Sum(parts) | Product(parts) | Call(_, parts):
-            return parts
-        case Power(base, _):
-            return (base,)
-        case _:
-            return ()
+    parts = _PARTS.get(type(expression))
+    return parts(expression) if parts else ()
 
 
 def rebuilt(e: Expression, change: Callable[[Expression], Expression], *, folds: bool = True) -> Expression:
     """The expression with each direct subexpression replaced; else than by default nothing is flattened or folded."""
-    parts = tuple(map(change, children(e)))
+    parts = tuple(map(change, own := children(e)))
+    if all(map(is_, parts, own)) and not (folds and own):
+        return e
     match e:
         case Sum():
             return add(*parts) if folds else Sum(parts)

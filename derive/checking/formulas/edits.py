@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
-from functools import partial
+from functools import lru_cache, partial
 
 from derive.lecture.shorthand import notation_text
 from derive.robot import expression as tree
@@ -233,18 +233,20 @@ def _replaced(kind: SlipKind, spot: Spot, new: Expression) -> Edit:
     return Edit(kind, spot, new, spot.node, new)
 
 
-def _other_angles(angle: Expression, angles: tuple[str, ...]) -> Iterator[Expression]:
+@lru_cache(10_000)  # formulas have the same few angles again and again
+def _other_angles(angle: Expression, angles: tuple[str, ...]) -> tuple[Expression, ...]:
     """One angle more, one less, one instead of another; for short arms any run of neighbours."""
-    terms = angle.terms if isinstance(angle, Sum) else (angle,)
+    terms, others = angle.terms if isinstance(angle, Sum) else (angle,), list[Expression]()
     present = {term.name for term in terms if isinstance(term, Name)}
     absent = [Name(name) for name in angles if name not in present]
     for i in range(len(terms)):
-        yield from [tree.add(*terms[:i], *terms[i + 1 :])] if len(terms) > 1 else ()
-        yield from (tree.add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
-    yield from (tree.add(*terms, other) for other in absent)
+        others += [tree.add(*terms[:i], *terms[i + 1 :])] if len(terms) > 1 else ()
+        others += (tree.add(*terms[:i], other, *terms[i + 1 :]) for other in absent)
+    others += (tree.add(*terms, other) for other in absent)
     if len(angles) <= 8:  # c234 for c23: sums of neighbouring joints are what books abbreviate
         runs = (angles[i:j] for i in range(len(angles)) for j in range(i + 1, len(angles) + 1))
-        yield from (tree.add(*map(Name, run)) for run in runs if set(run) != present)
+        others += (tree.add(*map(Name, run)) for run in runs if set(run) != present)
+    return tuple(others)
 
 
 def _stem(name: str) -> str:

@@ -1,14 +1,14 @@
 """The grammar of formulas, and what each rule makes of its parts; a name is a `Symbol` until its scripts are known."""
 
 from collections.abc import Mapping
+from contextvars import ContextVar
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, partial, reduce
 from importlib.resources import files
-from typing import Any
+from typing import Any, cast
 
-from lark import Lark, Token
-from lark.visitors import Transformer_NonRecursive
+from lark import Lark, Token, Transformer, Tree
 
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.names import FLAT, LatexNames, Symbol
@@ -53,26 +53,34 @@ def _refused(offset: int | None, found: str, allowed: str = "", remedy: str = ""
 
 def parsed(text: str, names: LatexNames, tables: Mapping[int, Expression | Table]) -> Expression | Table:
     """What a formula says."""
-    found: Expression | Table = FormulaBuilder(names, tables).transform(parser("latex_formula.lark").parse(text))
-    return found
+    grammar, token = parser("latex_formula.lark", _WhileParsing), _BUILDER.set(FormulaBuilder(names, tables))
+    try:
+        return cast(Expression | Table, grammar.parse(text))
+    except (MisplacedError, DeriveError, ArithmeticError):
+        _BUILDER.set(None)
+        grammar.parse(text)  # what the grammar does not know is told first
+        raise
+    finally:
+        _BUILDER.reset(token)
 
 
 @cache
-def parser(grammar: str) -> Lark:
-    """What reads the language of a grammar beside this package, by the name of its file."""
-    return Lark(files("derive.checking").joinpath(grammar).read_text(encoding="utf-8"), parser="lalr")
+def parser(grammar: str, made: type[Transformer[Token, Any]] | None = None) -> Lark:
+    """What reads the language of a grammar beside this package, by the name of its file; as trees, or what is made."""
+    text = files("derive.checking").joinpath(grammar).read_text(encoding="utf-8")
+    return Lark(text, parser="lalr", transformer=made() if made else None)
 
 
-class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
+class FormulaBuilder:
     """Makes of every rule of the grammar an expression, a matrix, a name, or a script."""
 
     def __init__(self, names: LatexNames, tables: Mapping[int, Expression | Table]) -> None:
-        super().__init__()
         self._names, self._tables = names, tables
 
-    def __default__(self, data: str, children: Children, meta: object) -> Any:
+    def made(self, data: str, children: Children) -> Any:
         """What a rule makes of what its parts have become."""
-        data = str(data)  # Lark's names of rules are tokens, which are compared slowly
+        if data in _OF_NAMES:
+            return self._of_names(data, children)
         match data, children:
             case ("start", (value,)) | ("bracket", (_, value, _)):
                 return self._settled(value)
@@ -289,6 +297,21 @@ class FormulaBuilder(Transformer_NonRecursive[Token, Any]):
             raise _refused(offset, "exponent too large", allowed=f"allowed: at most {FORMULA_LIMITS.exponent}")
         return _bounded(tree.power(whole, int(value)))
 
+
+_BUILDER: ContextVar[FormulaBuilder | None] = ContextVar("builder", default=None)
+
+
+class _WhileParsing(Transformer[Token, Any]):
+    """Makes each part as soon as it is read: trees of a page are slow to build and to go through."""
+
+    def __default__(self, data: str, children: Children, meta: object) -> Any:
+        builder = None if data.startswith("_") else _BUILDER.get()  # repetitions have names of their own
+        # and the others are tokens, which are compared slowly
+        return builder.made(str(data), children) if builder else Tree(data, children)
+
+
+# Rules that make most of a formula.
+_OF_NAMES = frozenset({"letter", "symbol", "subscript_character", "subscript_group", "index_part"})
 
 # How books write them, in Italian ones too.
 _FUNCTIONS = {"cos": "cos", "sen": "sin", "sin": "sin", "tan": "tan", "tg": "tan", "sgn": "sign", "sign": "sign"}

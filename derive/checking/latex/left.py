@@ -3,6 +3,7 @@ r"""Left sides of printed equations taken apart: the scripts, dots, primes and a
 import re
 from dataclasses import dataclass
 from enum import StrEnum
+from functools import lru_cache
 
 from derive.checking.latex.names import FLAT, PRIME
 from derive.checking.latex.typography import PRIMED
@@ -119,6 +120,7 @@ class Left:
         return self.head + PRIME * self.primes + self.sub.replace(",", "")
 
 
+@lru_cache(10_000)  # a text is gone through several times
 def taken_apart(text: str) -> Left | None:
     """A left side as letter, scripts and dots; None where it is no single symbol."""
     tight = "".join(FONT.sub("", text).split())

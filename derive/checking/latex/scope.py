@@ -125,7 +125,10 @@ class Scope:
         found: dict[str, Expression] = {}
         rates = {velocity_name(joint.variable) for joint in self.robot.movers}
         sides = ((taken_apart(e[0].text), e[-1]) for e in self.equations if e[1:] and not e[0].matrices)
-        for left, side in sides if self.document else ():
+        has_accelerations = any(
+            "\\ddot" in s.text for e in self.equations for s in e
+        )  # only equations of motion take them
+        for left, side in sides if self.document and has_accelerations else ():
             targets = self.meanings.targets(left) if left and left.head in "cChHnNV" else ()
             meant = (self.meanings.right(target) for target in targets if target.quantity in ("Cqd", "bias"))
             if left and (rights := [*filter(None, meant)]):
