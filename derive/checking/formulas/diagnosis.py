@@ -170,17 +170,13 @@ class _Search:
 
     def _hits(self, places: Sequence[Spot], kind: SlipKind) -> Iterator[Edit]:
         """The changes that give the right value at the point."""
-        far = 1000 * CLOSE * (1 + abs(self.target))  # more than a line to the root can be off by rounding
         for place in places:
             for edit in slips.edits(place, self.may, kind):
                 self.work += place.cost + WORK_OF_EDIT
                 if self.work > MAX_WORK:
                     return
                 with suppress(*NO_VALUE, TypeError):
-                    here = float_value(edit.node, self.values, self.known)
-                    if place.line and not self.outer and abs(place.line[0] * here + place.line[1] - self.target) > far:
-                        continue
-                    value = self._compared_value(place.value(here))
+                    value = self._compared_value(place.value(float_value(edit.node, self.values, self.known)))
                     if abs(value - self.target) <= CLOSE * (1 + abs(self.target)):
                         yield edit
 

@@ -40,7 +40,6 @@ class Spot:
     siblings: tuple[float, ...] = ()  # values of all children of the node above
     depth: int = 0  # nodes above it
     cost: int = 1  # float operations of one value of the whole, about
-    line: tuple[float, float] | None = None  # a and b where the whole is a x + b for x here, as in sums and products
 
     @property
     def parent(self) -> Expression | None:
@@ -98,7 +97,7 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
 
 def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = NOTHING) -> Iterator[Spot]:
     """Every place of a formula from the root down, plain cosines and sines as tokens; values only at a point."""
-    waiting = [Spot(root, line=(1.0, 0.0))]
+    waiting = [Spot(root)]
     while waiting:
         spot = waiting.pop()
         yield spot
@@ -106,21 +105,7 @@ def spots(root: Expression, values: Mapping[str, float] | None = None, known: Kn
             parts = tree.children(spot.node)
             siblings = () if values is None else tuple(float_value(part, values, known) for part in parts)
             depth, cost = spot.depth + 1, spot.cost + len(parts)
-            lines = [*_lines(spot, siblings)] if siblings and spot.line else [None] * len(parts)
-            waiting += reversed([Spot(part, spot, i, siblings, depth, cost, lines[i]) for i, part in enumerate(parts)])
-
-
-def _lines(spot: Spot, parts: Sequence[float]) -> Iterator[tuple[float, float] | None]:
-    """How the whole depends on each part of a place."""
-    (slope, offset), is_sum = spot.line or (0.0, 0.0), isinstance(spot.node, Sum)
-    total = sum(parts) if is_sum else 0.0
-    for i, part in enumerate(parts):
-        if is_sum:
-            yield slope, offset + slope * (total - part)
-        elif isinstance(spot.node, Product):
-            yield slope * math.prod((*parts[:i], *parts[i + 1 :])), offset
-        else:
-            yield None
+            waiting += reversed([Spot(part, spot, i, siblings, depth, cost) for i, part in enumerate(parts)])
 
 
 def is_token(e: Expression) -> bool:

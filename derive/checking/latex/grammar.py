@@ -79,8 +79,6 @@ class FormulaBuilder:
 
     def made(self, data: str, children: Children) -> Any:
         """What a rule makes of what its parts have become."""
-        if data in _OF_NAMES:
-            return self._of_names(data, children)
         match data, children:
             case ("start", (value,)) | ("bracket", (_, value, _)):
                 return self._settled(value)
@@ -309,9 +307,6 @@ class _WhileParsing(Transformer[Token, Any]):
         # and the others are tokens, which are compared slowly
         return builder.made(str(data), children) if builder else Tree(data, children)
 
-
-# Rules that make most of a formula.
-_OF_NAMES = frozenset({"letter", "symbol", "subscript_character", "subscript_group", "index_part"})
 
 # How books write them, in Italian ones too.
 _FUNCTIONS = {"cos": "cos", "sen": "sin", "sin": "sin", "tan": "tan", "tg": "tan", "sgn": "sign", "sign": "sign"}
