@@ -11,8 +11,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 from math import comb, prod
-from operator import attrgetter, is_
-from typing import Any
+from operator import is_
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,16 +129,15 @@ def negate(expression: Expression) -> Expression:
     return multiply(MINUS_ONE, expression)
 
 
-_PARTS: Mapping[type, Callable[[Any], tuple[Expression, ...]]] = {
-    **{Sum: attrgetter("terms"), Product: attrgetter("factors"), Call: attrgetter("arguments")},
-    Power: lambda e: (e.base,),
-}
-
-
 def children(expression: Expression) -> tuple[Expression, ...]:
     """The direct subexpressions."""
-    parts = _PARTS.get(type(expression))
-    return parts(expression) if parts else ()
+    match expression:
+        case Sum(parts) | Product(parts) | Call(_, parts):
+            return parts
+        case Power(base, _):
+            return (base,)
+        case _:
+            return ()
 
 
 def rebuilt(e: Expression, change: Callable[[Expression], Expression], *, folds: bool = True) -> Expression:

@@ -71,7 +71,7 @@ def check_latex(
             check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
     turned = AbsoluteModel(model) if document and may_count_from_one_direction(model, text) else None
     right = (f for f in findings if f.verdict.equal and f.question and f.role is Role.PRINTED)
-    right = (f for f in right if f.quantity.startswith(_OF_ANGLES))
+    right = (f for f in right if f.quantity.startswith(("T", "A", "p", "J", "B", "g")))
     if turned and sum(turned.moves(f.right) for f in right) <= _count(findings, right=False):  # those would be wrong
         other = read(turned, order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
@@ -97,7 +97,6 @@ def _count(findings: Sequence[Finding], *, right: bool) -> int:
 
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
-_OF_ANGLES = ("T", "A", "p", "J", "B", "g")  # quantities that are others where angles count from one direction
 _LONE = "C is not unique, and the rest of the row is not printed"
 _FORCE = "where the force acts, and in which axes, is not certain"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
