@@ -252,7 +252,7 @@ def test_value_and_formula_of_a_change_agree_and_what_stands_there_is_none(text:
 def test_known_values_of_nodes_stand_for_them() -> None:
     whole = tree("a*cos(q1 + q2) + b")
     assert isinstance(whole, Sum)
-    assert float_value(whole, {"b": 2.0}, {id(whole.terms[0]): 3.0}) == 5.0
+    assert float_value(whole, {"b": 2.0}, {whole.terms[0]: 3.0}) == 5.0
 
 
 def test_angles_of_plain_sines_and_cosines_are_no_places() -> None:

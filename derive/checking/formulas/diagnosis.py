@@ -131,11 +131,10 @@ class _Search:
         factors = dict.fromkeys([*tokens, *singles, *map(Name, known_names)])
         terms = [*dict.fromkeys([*terms, *map(negate, terms)])]
         self.may = slips.Replacements(tuple(known_names), angles, tuple(factors), tuple(terms))
-        self.known: dict[int, float] = {}  # values of nodes of which changed formulas are made
-        both = (*nodes(question.right), *nodes(question.printed))  # from below
-        for e in (*reversed(both), *self.may.factors, *self.may.terms):
+        self.known: dict[Expression, float] = {}  # values of nodes of which changed formulas are made
+        for e in (*reversed([*nodes(question.printed)]), *self.may.factors, *self.may.terms):
             with suppress(*NO_VALUE):
-                self.known[id(e)] = float_value(e, values, self.known)
+                self.known[e] = float_value(e, values, self.known)
 
     def _compared_value(self, value: float) -> float:
         """What is compared, for a value of the printed formula."""

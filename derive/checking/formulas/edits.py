@@ -25,8 +25,7 @@ FUNCTIONS: Mapping[str, Callable[..., float]] = {
     **{"sign": lambda x: math.copysign(1.0, x) if x else 0.0, "acos": math.acos, "asin": math.asin, "atan": math.atan},
 }
 SWAPPED = {"cos": "sin", "sin": "cos"}
-Known = Mapping[int, float]  # values of nodes by their identity, which are not evaluated again
-NOTHING: Known = {}
+Known = Mapping[Expression, float] | None  # values of nodes, which are not evaluated again
 NO_VALUE = (ArithmeticError, ValueError, KeyError)  # what `float_value` raises where a formula has no value
 
 
@@ -69,9 +68,9 @@ class Spot:
         return self.above.formula(tree.rebuilt(self.above.node, lambda _: next(changed)))
 
 
-def float_value(e: Expression, values: Mapping[str, float], known: Known = NOTHING) -> float:
+def float_value(e: Expression, values: Mapping[str, float], known: Known = None) -> float:
     """The value of a tree at a point; ArithmeticError, ValueError or KeyError (`NO_VALUE`) where there is none."""
-    if (value := known.get(id(e))) is not None:
+    if known and (value := known.get(e)) is not None:
         return value
     return _combined(e, [float_value(child, values, known) for child in tree.children(e)], values)
 
@@ -95,7 +94,7 @@ def _combined(e: Expression, parts: Sequence[float], values: Mapping[str, float]
             return FUNCTIONS[function](*parts)
 
 
-def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = NOTHING) -> Iterator[Spot]:
+def spots(root: Expression, values: Mapping[str, float] | None = None, known: Known = None) -> Iterator[Spot]:
     """Every place of a formula from the root down, plain cosines and sines as tokens; values only at a point."""
     waiting = [Spot(root)]
     while waiting:
