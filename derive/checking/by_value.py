@@ -148,21 +148,33 @@ class ByValue:
     def _numbers(self, matrix: Matrix) -> Array:
         return np.array([matrix_value(matrix, at) for at in self._at])
 
+    @property
+    def _frames(self) -> list[Array]:
+        """Those of the table, and that of the end effector where a tool moves it."""
+        frames = [self._numbers(self._model.frame(k)) for k in range(self._model.n + 1)]
+        return frames + [self._numbers(self._model.quantity("T"))] * (self._robot.tool != IDENTITY)
+
+    def _points(self, is_dynamic: bool) -> list[tuple[str, int, Array]]:
+        """Origins of frames and centres of mass: name, link, place."""
+        n, frames = self._model.n, self._frames
+        points = [(f"p[{k}]", min(k, n), frame[:, :3, 3:]) for k, frame in enumerate(frames)]
+        for k, body in enumerate(self._robot.links if is_dynamic else (), 1):
+            com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
+            points.append((f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:]))
+        return points
+
     def _all(self, is_dynamic: bool) -> Iterator[Named]:
         """Transforms, vectors, Jacobians and energies, and what one reads from them."""
         n, robot = self._model.n, self._robot
-        end = self._numbers(self._model.quantity("T"))
-        frames = [self._numbers(self._model.frame(k)) for k in range(n + 1)] + ([end] if robot.tool != IDENTITY else [])
+        end, frames = self._numbers(self._model.quantity("T")), self._frames
         seen_from = [(f"{k},", f" in the axes of frame {k}", frame) for k, frame in enumerate(frames)]
-        starts = points = [(f"p[{k}]", min(k, n), frame[:, :3, 3:]) for k, frame in enumerate(frames)]
+        starts, points = self._points(is_dynamic=False), self._points(is_dynamic or n <= MOST_ACCELERATED)
         if robot.base != IDENTITY:
             seen_from = [("", "", np.zeros((_POINTS, 4, 4)) + np.eye(4)), *seen_from]
             starts = [("", 0, np.zeros((_POINTS, 3, 1))), *starts]
         else:
             seen_from[0] = ("0,", "", frames[0])
-        for k, body in enumerate(robot.links if is_dynamic or n <= MOST_ACCELERATED else (), 1):
-            com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
-            points = [*points, (f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:])]
+        yield from self._on_links(frames, points)
         turn = np.array(turning(self._model), dtype=float)
         jacobian = self._numbers(self._model.quantity("J")) @ np.linalg.inv(turn)
         rates = self._of_joints(velocity_name)
@@ -228,6 +240,37 @@ class ByValue:
         here = ({name: at[name] for name in used} for at in self._at)
         pairs = ((at, at | {name: float_value(e, at) for name, e in values.items()}) for at in here)
         return all(np.allclose(matrix_value(pose, one), matrix_value(pose, other)) for one, other in pairs)
+
+    def at_home(self, table: Table, left: Left) -> str:
+        """The place on a link, or the frame there, that a matrix is where all joint variables are zero."""
+        number = re.sub("[^0-9]", "", left.sub) or str(self._model.n)
+        if left.dots or len(table.entries) < 3 or any(entry.unknown for entry in table.entries) or self._robot.is_tree:
+            return ""
+        home = ByValue(self._model, None)
+        for at in home._at:
+            at.update(dict.fromkeys(self._joints, 0.0))
+        with suppress(*NO_VALUE):
+            values = [[float_value(entry.formula, at) for entry in table.entries] for at in home._at]
+            for label, seen in home._on_links(home._frames, home._points(is_dynamic=True)):
+                for known in (seen, seen[:, :3, 3:]):
+                    is_own = label.endswith(f"link {number}") and known[0].size == len(values[0])
+                    if is_own and np.allclose(known.reshape(_POINTS, -1), values):
+                        return label
+        return ""
+
+    def _on_links(self, frames: list[Array], points: list[tuple[str, int, Array]]) -> Iterator[Named]:
+        """Frames that move with a link, at its joint, its end or its centre: that of the table, or parallel to the base
+        at home.
+        """
+        zero = dict.fromkeys(self._joints, 0.0)
+        for name, k, place in points:
+            for link in {k, min(k + 1, self._model.n)} - {0} if name[0] == "p" else {k}:
+                still = np.array([matrix_value(self._model.frame(link), {**at, **zero}) for at in self._at])
+                seen = frames[link] * 1
+                seen[:, :3, 3:] = place
+                yield f"frame at {name}, link {link}", seen * 1
+                seen[:, :3, :3] = seen[:, :3, :3] @ still[:, :3, :3].swapaxes(1, 2)
+                yield f"frame at {name}, link {link}", seen
 
     def _exponentials(self) -> Iterator[Named]:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""

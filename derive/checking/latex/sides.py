@@ -96,8 +96,20 @@ class SideReading(Comparing):
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
-        found = self._singular(equation) or self._of_motion(equation) or (*self._sides_by_value(equation),)
+        found = self._home(equation) or self._singular(equation) or self._of_motion(equation)
+        found = found or (*self._sides_by_value(equation),)
         return found or self._of_unknown(index, equation)
+
+    def _home(self, equation: Sides) -> tuple[Finding, ...]:
+        """That a place or a frame is right where all joint variables are zero: r_1(0) = [...], M = [...]."""
+        left = taken_apart(equation[0].text)
+        if left is not None and (left.arguments == "(0)" or left.flat == "M"):
+            with suppress(CheckError):
+                value = self.reader.value(equation[-1])
+                if isinstance(value, Table) and (quantity := self._values.at_home(value, left)):
+                    found = self._about(equation[-1], quantity, Verdict(True, False))
+                    return (replace(found, note=", with all joint variables zero"),)
+        return ()
 
     def _singular(self, equation: Sides) -> tuple[Finding, ...]:
         """That the arm is singular where an equation holds, as the sentence around it says."""
