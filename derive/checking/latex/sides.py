@@ -26,7 +26,7 @@ from derive.checking.latex.whole import between, chained, factors, frames_of, is
 from derive.errors import CheckError, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
+from derive.robot.expression import ZERO, Expression, Name, Number, Sum, add, is_constant, names, negate, number, substitute
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
@@ -344,8 +344,11 @@ class SideReading(Comparing):
             left = taken_apart(first.text) if others else None
             joint = self._branch_of(left) if left is not None else None
             with suppress(CheckError):
-                if left is not None and isinstance(joint, Name) and (value := self.reader.formula(others[-1])) != joint:
-                    solutions.setdefault(self._label(left), {})[joint.name] = value
+                if left is not None and joint is not None and (value := self.reader.formula(others[-1])) != joint:
+                    (name,) = self.joints.keys() & {*names(joint)}
+                    is_opposed = negate(Name(name)) in (joint.terms if isinstance(joint, Sum) else (joint,))
+                    moved = add(negate(joint), value) if not is_opposed else add(joint, negate(value))
+                    solutions.setdefault(self._label(left), {})[name] = add(Name(name), moved)
         known, keeps = self.joints.keys() | self.parameters, self._values.keeps_pose
         own = {x: v for x, v in solutions.items() if known.issuperset(n for e in v.values() for n in names(e))}
         return frozenset(label for label, values in own.items() if len(values) > 1 and keeps(values))
