@@ -292,6 +292,8 @@ class _Check(SideReading):
                     yield claim
                 elif (found := claim.read(self.robot)).verdict.equal:
                     yield found
+                elif near := self._of_unknown(index, self.scope.equations[index]):
+                    yield from near
                 else:
                     self._skip_for(side, _TWO_FORMULAS.format(name))
 

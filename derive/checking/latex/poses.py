@@ -145,9 +145,12 @@ class Poses:
         known = any(name in each for each in (self._labelled, pose.entries, pose.wrist)) or self.is_point(name)
         return Name(MARK + name) if known or MARK + name in self._angles else None
 
-    def is_other(self, name: str, words: Iterable[str]) -> bool:
+    def is_other(self, name: str, words: AbstractSet[str]) -> bool:
         """Whether a name is given by another name of the same coordinate, and so is one of the author's own."""
-        places = {**self._names.entries, **self._names.wrist}
+        entries, wrist = self._names.entries, self._names.wrist
+        if name in AXES and any((wrist[w] + 1, 4) == entries.get(name) for w in words if w in wrist):
+            return not any(entries.get(word, (0, 4))[1] < 4 for word in words)  # z = d_1 - z_w
+        places = {**entries, **wrist}
         return any(word != name and places.get(word, name) == places.get(name) for word in words)
 
     @cached_property

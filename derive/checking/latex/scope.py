@@ -395,7 +395,7 @@ class Scope:
         if self.document and (is_rate(left.flat) or is_product):
             return ""
         if not left.is_point and self._is_pose(left):  # but z_w = p_{wz} - d_1
-            return left.flat if self.poses and self.poses.is_other(left.flat, printed_words(rest)) else ""
+            return left.flat if self.poses and self.poses.is_other(left.flat, {*printed_words(rest)}) else ""
         if self.document and left.head == "omega" and not is_first:  # \dot\theta_1 = \omega_1, for equations of state
             rate = taken_apart(self.equations[index][0].text)
             if rate and rate.dots == 1 and self.is_own(replace(rate, dots=0)):

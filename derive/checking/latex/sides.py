@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 from functools import cached_property, reduce
-from itertools import pairwise
+from itertools import chain, pairwise
 from operator import mul
 
 from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
@@ -86,12 +86,15 @@ class SideReading(Comparing):
             return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
-        for table in self._matrices.values(side.piece):
+        found = self._matrices.values(side.piece)
+        with suppress(CheckError):  # entries of an inertia tensor that drop out
+            found = chain(self._with_letters(0, (side.piece,), {}, "I.+")[0], found)
+        for table in found:
             # zeros times anything are zeros: they show nothing
             quantity = next((r.quantity for r in rights if r.fits(table) == 1 and any(r.value)), "")
             if quantity or any(are_alike(table, other) for other in tables):
-                found = self._about(side.piece, quantity or self._typed(side.piece), Verdict(True, False))
-                return found if quantity else replace(found, role=Role.IDENTITY)
+                finding = self._about(side.piece, quantity or self._typed(side.piece), Verdict(True, False))
+                return finding if quantity else replace(finding, role=Role.IDENTITY)
         return None
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
@@ -178,18 +181,24 @@ class SideReading(Comparing):
         tight = re.sub(r"\{[^{}]*\}|\([^()]*\)", "", side.text).strip(" -")
         return not re.search("[-+]", tight) if is_first else taken_apart(side.text) is not None
 
-    def _with_letters(self, index: int, equation: Sides, own: dict[str, Expression]) -> tuple[Expression, list[str]]:
-        """The difference of the first and the last side, and the names in it that stand for themselves."""
+    def _with_letters(
+        self, index: int, pieces: Sides, own: dict[str, Expression], kind: str = ".+"
+    ) -> tuple[list[Table], list[str]]:
+        """What pieces say, and the names of a kind in them that stand for themselves."""
         while True:
             reader = self.scope.reader(index, own)
             try:
-                zero = add(reader.formula(equation[0]), negate(reader.formula(equation[-1])))
+                values = [reader.value(piece) for piece in pieces]
+                tables = [value if isinstance(value, Table) else Table(((Entry(value),),)) for value in values]
+                if unknown := next((e.unknown for table in tables for e in table.entries if e.unknown), None):
+                    raise unknown
             except UnknownNameError as error:
-                if (name := re.search("'(.+)'", error.found)) is None or name[1] in own:
+                if (name := re.search(f"'({kind})'", error.found)) is None or name[1] in own:
                     raise
                 own = own | {name[1]: Name(f"?{name[1]}")}
             else:
-                return zero, sorted(name[1:] for name in {*names(zero)} if name[0] == "?")
+                used = {name for table in tables for entry in table.entries for name in names(entry.formula)}
+                return tables, sorted(name[1:] for name in used if name[0] == "?")
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """That a formula is right if what no formula explains are torques, a length, an angle, or a constant energy."""
@@ -200,19 +209,23 @@ class SideReading(Comparing):
         known = {left.flat: energy} if left and energy and moves else {}
         for given in ({}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
-                zero, letters = self._with_letters(index, equation, given | known)
-                note = self._values.motions.driven(zero, letters)
+                (first, other), letters = self._with_letters(index, (equation[0], equation[-1]), given | known)
+                if first.shape != other.shape:
+                    continue
+                pairs = zip(first.entries, other.entries, strict=True)
+                zeros = [add(a.formula, negate(b.formula)) for a, b in pairs]
+                (note, *more), zero = {self._values.motions.driven(zero, letters) for zero in zeros}, zeros[0]
                 still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))
                 ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
                 if known and letters and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
                     note = "up to a constant"
-                if not note and len(letters) == 1 and len(equation) == 2:
+                if not note and len(letters) == 1 and len(equation) == 2 and len(zeros) == 1:
                     meant = self._values.solved(f"?{letters[0]}", zero)
                     if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
                         note = f"where {letters[0]} is {meant}"
-                if note:
-                    (text, *_, other), where = map(self._typed, equation), self.plain.location(equation[0].start)
-                    found = Finding(text, 0, 0, Role.IDENTITY, other, Verdict(True, False), "", where, note=f", {note}")
+                if note and not more:
+                    (text, *_, said), where = map(self._typed, equation), self.plain.location(equation[0].start)
+                    found = Finding(text, 0, 0, Role.IDENTITY, said, Verdict(True, False), "", where, note=f", {note}")
                     return (found,)
         return ()
 
@@ -251,13 +264,13 @@ class SideReading(Comparing):
             if max(places) <= self.robot.n:
                 quantity = f"p[{places[0]}]-p[{places[1]}]"
                 return Side(piece, None, (Target(quantity), Target(quantity, (1, 2))))
-        if may_name and left is None and (chain := factors(piece.text)):
+        if may_name and left is None and (product := factors(piece.text)):
             error = self._refused(piece, "a product of matrices", "multiply it out")
-            frames = chained(self.meanings, chain)
+            frames = chained(self.meanings, product)
             # a chain names the transform from its first frame to its last one, such as T_1^0 T_2^1 = [...]
-            parts = ((), (1, 2, 3), (1, 2)) if chain[0].head == "R" else ((), (1, 2, 4), (1, 2, 3))
+            parts = ((), (1, 2, 3), (1, 2)) if product[0].head == "R" else ((), (1, 2, 4), (1, 2, 3))
             targets = tuple(Target(between(*frames, self.robot), part, part) for part in parts) if frames else ()
-            return Side(piece, None, targets, error=error, frames=frames, factors=chain)
+            return Side(piece, None, targets, error=error, frames=frames, factors=product)
         if may_name and joint is not None:
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
