@@ -170,6 +170,8 @@ _UNREAD = re.compile(
     r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
     re.DOTALL,
 )
+# Equations in a fence, one in each line, with nothing that programs alone have.
+_LISTED = re.compile(r"(?:[ \t]*(?:[A-Za-z\u0370-\u03ff][\w'\u2080-\u2089]{0,12}[ \t]*=(?!=)[^=\n#;:\"`.\[]+)?\n)+")
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
 # An equation in two formulas, $a$ = $b$ or **$a =$** $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
 _PARTED = re.compile(
@@ -201,6 +203,8 @@ def _markdown(text: str) -> str:
         is_prose = language.startswith("{") and not language.startswith(_OF_CODE)  # in a box, as MyST has them
         if language in ("latex", "tex") or is_prose:
             return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
+        if match["fence"] and language in ("", "text") and _LISTED.fullmatch(match["body"]):
+            return blank(match[0][:begin]) + match["body"] + blank(match[0][end:])
         return blank(match[0])
 
     text = _CODE.sub(without_code, re.sub(r"(?m)^ {0,3}>(?: ?>)*", lambda quote: blank(quote[0]), text))

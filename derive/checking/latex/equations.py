@@ -119,6 +119,8 @@ def _continued(plain: str, fences: list[tuple[int, int]]) -> list[tuple[int, int
 def _equations(display: LatexPiece) -> Iterator[Sides]:
     # blanks for what marks a display, and for the one brace before a system of equations
     text = re.sub(r"\\\[|\\\]|\\\(|\\\)|\$\$?", lambda m: " " * len(m[0]), display.text)
+    # a blank line in a display parts equations, each with a left side of its own
+    text = re.sub(r"\n(?=[ \t]*\n[ \t]*(?:\\(?:d?dot|theta|varphi)|[A-Za-z])[^\n=+]{0,20}=)", "\f", text)
     if display.inline and RELATION.search(text):
         text = _unbracketed(text)
     inner = text.strip()

@@ -381,8 +381,8 @@ class Scope:
         is_point = left is not None and bool(left.sub) and left.head in ("theta", "q", "d", "v", *AXES)
         if left is not None and left.primes and replace(left, primes=0).is_plain and self.document and not is_point:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
-        if left is None or not left.is_plain or self.is_own(left) or re.fullmatch("R[0-9]{4}", left.flat):
-            return ""  # R_{36}(2,3) is an entry
+        if left is None or not left.is_plain or self.is_own(left) or re.fullmatch("R[0-9]{4}|.*-.*", left.flat):
+            return ""  # R_{36}(2,3) is an entry, z_{j-1} any axis
         if left.arguments and not (self.document and left.head in "rhlD"):  # r(q_2, q_3), a length in the plane
             return ""
         rest = " ".join(other.text for other in self.equations[index] if other is not side)

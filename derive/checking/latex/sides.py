@@ -26,7 +26,19 @@ from derive.checking.latex.whole import between, chained, factors, frames_of, is
 from derive.errors import CheckError, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import ZERO, Expression, Name, Number, Sum, add, is_constant, names, negate, number, substitute
+from derive.robot.expression import (
+    ZERO,
+    Expression,
+    Name,
+    Number,
+    Sum,
+    add,
+    is_constant,
+    names,
+    negate,
+    number,
+    substitute,
+)
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
@@ -99,6 +111,9 @@ class SideReading(Comparing):
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
+        first, *others = equation
+        if re.match(r"\s*T\b", first.text) and any(self._has_all_exponentials(side.text) for side in others):
+            return (self._about(first, "T", Verdict(True, True)),)
         found = self._home(equation) or self._singular(equation) or self._of_motion(equation)
         found = found or (*self._sides_by_value(equation),)
         return found or self._of_unknown(index, equation)
@@ -215,10 +230,11 @@ class SideReading(Comparing):
                 pairs = zip(first.entries, other.entries, strict=True)
                 zeros = [add(a.formula, negate(b.formula)) for a, b in pairs]
                 (note, *more), zero = {self._values.motions.driven(zero, letters) for zero in zeros}, zeros[0]
-                still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))
-                ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
-                if known and letters and all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways):
-                    note = "up to a constant"
+                if known and letters:
+                    still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))
+                    ways = (dict.fromkeys((f"?{letter}" for letter in letters), number(k)) for k in (0, 1, 3))
+                    is_still = all(compare(self.robot, substitute(still, way), ZERO).equal for way in ways)
+                    note = "up to a constant" if is_still else note
                 if not note and len(letters) == 1 and len(equation) == 2 and len(zeros) == 1:
                     meant = self._values.solved(f"?{letters[0]}", zero)
                     if meant and self._figures.setdefault(letters[0], meant) == meant:  # in all formulas the same
@@ -298,9 +314,11 @@ class SideReading(Comparing):
 
     def _has_all_exponentials(self, text: str) -> bool:
         r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
-        factors = "".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, self.robot.n + 1))
-        tight = "".join(FONT.sub("", text).split()).replace("\\hat", "")
-        return re.fullmatch(factors + r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))", tight) is not None
+        n, tight = self.robot.n, "".join(FONT.sub("", text).split()).replace("\\hat", "")
+        every, *some = ("".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, m + 1)) for m in (n, 1, 2))
+        last, home = _EXPONENTIAL.replace("K", f"(?:n|N|{n})"), r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))"
+        product = rf"(?:{every}|(?:{'|'.join(some)})(?:\\[cl]?dots|\.\.+){last})"
+        return re.fullmatch(product + home + "|M" + product.replace("(?:S|", "(?:B|"), tight) is not None
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""

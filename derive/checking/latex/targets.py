@@ -229,6 +229,8 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
     body = re.fullmatch(r"([lmc]|C|G)?([0-9]+)", sup.strip("*"))
     own = re.fullmatch(r"(v|omega|w|P|O)(l|m|c|C|G)([0-9]+)", sub)
     kind, index = (sub, body) if body and sub in (*_LINEAR, *_ANGULAR) else (own[1], own) if own else ("", None)
+    if body and body[1] and (column := re.fullmatch("([PO])([1-9])", sub)) and int(column[2]) <= n:
+        yield Target(f"J{'v' if column[1] == 'P' else 'w'}_com[{body[2]}]", (), (int(column[2]),))
     if index is not None and (index[1] or not own):
         letter, number = (index[2], index[3]) if own else (index[1], index[2])
         where = "motor" if letter == "m" else "com"

@@ -239,11 +239,12 @@ _ROW_END, _TWO = re.compile(r"\\cr(?![A-Za-z])"), r"\\\\"
 
 # A line of plain text that is an equation: a name, an equals sign, and no two words side by side.
 _EQUATION = re.compile(
-    r"^[ \t]*(?:[-*\u2022][ \t]+|\(?[0-9]{1,2}[.)][ \t]+)?"
-    r"(?P<equation>[A-Za-z\u0370-\u03ff][\w'.,()\[\]^]{0,24}[ \t]*=[ \t]*[^=\n]*"
-    r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3])[ \t]*[.,;]?[ \t]*$",
+    r"^[ \t]*(?:[-*\u2022][ \t]+|\(?[0-9]{1,2}[.)][ \t]+)?(?:\*\*)?"
+    r"(?P<equation>[A-Za-z\u0370-\u03ff][\w'.,()\[\]^]{0,24}(?:\*\*)?[ \t]*=[ \t]*[^=\n]*"
+    r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3\u2080-\u2089])[ \t]*[.,;]?[ \t]*$",
     re.MULTILINE,
 )
+_TYPED = re.compile(r"[\u00b2\u00b3\u2080-\u2089\u221a]|(?:sin|cos|tan2?|sqrt)\s*\(")
 _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
     re.MULTILINE,
@@ -256,7 +257,7 @@ _SHOWN = re.compile(
     re.MULTILINE,
 )
 _WORD = re.compile(
-    r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi)_?(?P<index>[0-9]*)(?![A-Za-z]))"
+    r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi|[\u03b1-\u03c9])_?(?P<index>[0-9]*)(?![A-Za-z]))"
 )
 
 Spelled = tuple[str, Sequence[int]]  # a text, and for each character the offset from which it comes
@@ -275,17 +276,21 @@ def from_plain_text(text: str) -> Spelled:
     found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
     found = _rewritten(found, _LOST, _restored)
     found = _rewritten(found, _SHOWN, lambda m: f"{m['display']}{m['name']}_{{{m['sub']}}} = ".replace("_{None}", ""))
-    if re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0]):
-        return found
-    if "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
+    is_signed = re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0])
+    if not is_signed and "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
         return _rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
 
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
         is_prose = re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation)
+        if is_signed:  # among other mathematics a line of its own with an index, a root or a function as text has them
+            before = match.string[: match.start()]
+            is_prose = is_prose or not _TYPED.search(equation) or re.search(r"[\\$&`#;]|\w\*\*\w", equation)
+            is_prose = is_prose or before.count("$$") % 2 or before.count("\\begin") > before.count("\\end")
+        equation = re.sub(r"\*\*(?=[ \t]*=)", "", equation)
         return match[0] if is_prose else f"$${_WORD.sub(_macro, equation)}$$"
 
-    return _rewritten((text, range(len(text))), _EQUATION, display)
+    return _rewritten(found if is_signed else (text, range(len(text))), _EQUATION, display)
 
 
 def _display(match: re.Match[str]) -> str:
@@ -304,7 +309,8 @@ def _restored(match: re.Match[str]) -> str:
 def _macro(match: re.Match[str]) -> str:
     r"""A function or a Greek letter of plain text: ``\operatorname{atan2}(``, ``\theta_{12}``."""
     if match["greek"]:
-        return f"\\{match['greek']}" + (f"_{{{match['index']}}}" if match["index"] else " ")
+        greek = match["greek"] if match["greek"].isascii() else unicodedata.name(match["greek"]).split()[-1].lower()
+        return f"\\{greek}" + (f"_{{{match['index']}}}" if match["index"] else " ")
     name = match[0][:-1]
     known = {"sqrt", "sin", "cos", "tan", "atan", "acos", "asin", "atan2", "arctan", "arccos", "arcsin", "sgn", "sign"}
     return f"\\operatorname{{{name}}}(" if name.casefold() in known else match[0]
@@ -359,6 +365,11 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"\\langle((?:(?!\\[lr]angle|\|)[^$])*,(?:(?!\\[lr]angle|\|)[^$])*)\\rangle"), lambda m: f"({m[1]})"),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
+    (
+        re.compile(r"(?<![A-Za-z\\])([mla])_([1-9])([2-9])(?=[A-Za-z\\])"),
+        lambda m: f"{m[1]}_{m[2]} {m[3]}",
+    ),  # as printed
+    (re.compile(r"(\\end\{[bp]matrix\}\s*)[xX](?=\s*\\begin)"), lambda m: f"{m[1]}\\times "),
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_SLOPE, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     # pandoc's indices and exponents, a~1~^2^, and a display in dollar signs of a line
