@@ -242,35 +242,31 @@ class ByValue:
         return all(np.allclose(matrix_value(pose, one), matrix_value(pose, other)) for one, other in pairs)
 
     def at_home(self, table: Table, left: Left) -> str:
-        """The place on a link, or the frame there, that a matrix is where all joint variables are zero."""
-        number = re.sub("[^0-9]", "", left.sub) or str(self._model.n)
+        """The frame on a link, or its place, that a matrix is where all joint variables are zero; empty of others."""
+        number, home = re.sub("[^0-9]", "", left.sub) or str(self._model.n), ByValue(self._model, None)
         if left.dots or len(table.entries) < 3 or any(entry.unknown for entry in table.entries) or self._robot.is_tree:
             return ""
-        home = ByValue(self._model, None)
         for at in home._at:
             at.update(dict.fromkeys(self._joints, 0.0))
         with suppress(*NO_VALUE):
-            values = [[float_value(entry.formula, at) for entry in table.entries] for at in home._at]
-            for label, seen in home._on_links(home._frames, home._points(is_dynamic=True)):
-                for known in (seen, seen[:, :3, 3:]):
-                    is_own = label.endswith(f"link {number}") and known[0].size == len(values[0])
-                    if is_own and np.allclose(known.reshape(_POINTS, -1), values):
-                        return label
+            values = np.array([[float_value(entry.formula, at) for entry in table.entries] for at in home._at])
+            frames = home._on_links(home._frames, home._points(is_dynamic=True))
+            known = ((label, part.reshape(_POINTS, -1)) for label, seen in frames for part in (seen, seen[:, :3, 3:]))
+            own = (label for label, a in known if a.shape == values.shape and np.allclose(a, values))
+            return next((label for label in own if label.endswith(f"link {number}")), "")
         return ""
 
     def _on_links(self, frames: list[Array], points: list[tuple[str, int, Array]]) -> Iterator[Named]:
-        """Frames that move with a link, at its joint, its end or its centre: that of the table, or parallel to the base
-        at home.
-        """
+        """Frames at places of a link: that of the table, and the one that is parallel to the base at home."""
         zero = dict.fromkeys(self._joints, 0.0)
         for name, k, place in points:
             for link in {k, min(k + 1, self._model.n)} - {0} if name[0] == "p" else {k}:
                 still = np.array([matrix_value(self._model.frame(link), {**at, **zero}) for at in self._at])
-                seen = frames[link] * 1
-                seen[:, :3, 3:] = place
-                yield f"frame at {name}, link {link}", seen * 1
-                seen[:, :3, :3] = seen[:, :3, :3] @ still[:, :3, :3].swapaxes(1, 2)
-                yield f"frame at {name}, link {link}", seen
+                for turn in (np.eye(4), still.swapaxes(1, 2)):
+                    seen = frames[link].copy()
+                    seen[:, :3, :3] = seen[:, :3, :3] @ turn[..., :3, :3]
+                    seen[:, :3, 3:] = place
+                    yield f"frame at {name}, link {link}", seen
 
     def _exponentials(self) -> Iterator[Named]:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""

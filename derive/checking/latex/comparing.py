@@ -13,7 +13,7 @@ from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
 from derive.checking.latex.conditions import Condition, Values, ways
 from derive.checking.latex.left import AXES, Left, taken_apart
-from derive.checking.latex.matrices import Table
+from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import Right
 from derive.checking.latex.pieces import LatexPiece
 from derive.checking.latex.poses import Claim, Poses, names_of_pose
@@ -85,6 +85,15 @@ class Comparing:
         """What is said of a side as a whole."""
         text, where = self._typed(side), self.plain.location(side.start)
         return Finding(quantity, 0, 0, Role.PRINTED, text, verdict, "", where, repair=repair)
+
+    def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
+        """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""
+        rights = (right for name in named for target in name.targets if (right := self.meanings.right(target)))
+        shape = next((right.value.shape for right in rights), (1, 1))
+        if shape == (1, 1) or (is_identity and shape[0] != shape[1]):
+            return None
+        rows, columns = map(range, shape)
+        return Table(tuple(tuple(Entry(tree.number(int(is_identity and i == j))) for j in columns) for i in rows))
 
     def _states(self, side: LatexPiece, text: str, values: tuple[Values, ...], is_of_side: bool = False) -> None:
         line, end, letters = self.plain.location(side.start).line or 0, side.end, "".join(text.split())

@@ -14,7 +14,7 @@ from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, comp
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides, listed
-from derive.checking.latex.left import AXES, FONT, Left, taken_apart
+from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.matrix_names import MatrixNames, are_alike
 from derive.checking.latex.names import Symbol
@@ -22,23 +22,12 @@ from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import between, chained, factors, frames_of, is_no_claim
+from derive.checking.latex.whole import between, chained, factors, frames_of, has_all_exponentials, is_no_claim
 from derive.errors import CheckError, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
-from derive.robot.expression import (
-    ZERO,
-    Expression,
-    Name,
-    Number,
-    Sum,
-    add,
-    is_constant,
-    names,
-    negate,
-    number,
-    substitute,
-)
+from derive.robot import expression as tree
+from derive.robot.expression import ZERO, Expression, Name, Number, add, is_constant, names, negate, number, substitute
 
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
@@ -50,7 +39,6 @@ _SINGULAR = re.compile(
     r"(?i)\\det\b|sing[uo]la|\u5947[\u5f02\u7570]|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431"
 )
 _IDENTITY = re.compile(r"(?:I|\\mathbb1|\\mathbb\{?I\}?)_?[1-6]?(?:\\times[1-6])?")
-_EXPONENTIAL = r"e\^\{\[?\{?(?:S|\\xi)\}?_\{?K\}?\]?\\theta_\{?K\}?\}"  # e^{[S_K] theta_K}, of a screw axis
 MOVING_JOINTS = 3  # joints of an arm whose equations of motion are written out
 
 
@@ -112,7 +100,7 @@ class SideReading(Comparing):
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
         first, *others = equation
-        if re.match(r"\s*T\b", first.text) and any(self._has_all_exponentials(side.text) for side in others):
+        if re.match(r"\s*T\b", first.text) and any(has_all_exponentials(s.text, self.robot.n) for s in others):
             return (self._about(first, "T", Verdict(True, True)),)
         found = self._home(equation) or self._singular(equation) or self._of_motion(equation)
         found = found or (*self._sides_by_value(equation),)
@@ -121,12 +109,12 @@ class SideReading(Comparing):
     def _home(self, equation: Sides) -> tuple[Finding, ...]:
         """That a place or a frame is right where all joint variables are zero: r_1(0) = [...], M = [...]."""
         left = taken_apart(equation[0].text)
-        if left is not None and (left.arguments == "(0)" or left.flat == "M"):
-            with suppress(CheckError):
-                value = self.reader.value(equation[-1])
-                if isinstance(value, Table) and (quantity := self._values.at_home(value, left)):
-                    found = self._about(equation[-1], quantity, Verdict(True, False))
-                    return (replace(found, note=", with all joint variables zero"),)
+        with suppress(CheckError):
+            value = self.reader.value(equation[-1])
+            is_home = left and (left.arguments == "(0)" or left.flat == "M")
+            if left and is_home and isinstance(value, Table) and (quantity := self._values.at_home(value, left)):
+                found = self._about(equation[-1], quantity, Verdict(True, False))
+                return (replace(found, note=", with all joint variables zero"),)
         return ()
 
     def _singular(self, equation: Sides) -> tuple[Finding, ...]:
@@ -251,15 +239,6 @@ class SideReading(Comparing):
         table = self._constant_matrix([first], True) if is_identity and self.document else None
         return side if table is None else Side(side.piece, value=table)
 
-    def _constant_matrix(self, named: list[Side], is_identity: bool) -> Table | None:
-        """Zeros, or an identity matrix, in the shape of what is named; None of one formula."""
-        rights = (right for name in named for target in name.targets if (right := self.meanings.right(target)))
-        shape = next((right.value.shape for right in rights), (1, 1))
-        if shape == (1, 1) or (is_identity and shape[0] != shape[1]):
-            return None
-        rows, columns = map(range, shape)
-        return Table(tuple(tuple(Entry(number(int(is_identity and i == j))) for j in columns) for i in rows))
-
     def side(self, piece: LatexPiece, may_name: bool, *, has_points: bool = False) -> Side:
         """What a side says, or names if it may."""
         is_formula = piece.matrices or (not may_name and "\\partial" in piece.text)
@@ -290,7 +269,7 @@ class SideReading(Comparing):
         if may_name and joint is not None:
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
-        if left is None and self._has_all_exponentials(piece.text):
+        if left is None and has_all_exponentials(piece.text, self.robot.n):
             error = self._refused(piece, "a product of exponentials")
             return Side(piece, error=error, factors=(Left("T"),), frames=frames_of(Target("T"), self.robot))
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
@@ -311,14 +290,6 @@ class SideReading(Comparing):
             return Side(piece, left, targets, self.reader.value(piece))
         except CheckError as error:
             return Side(piece, left, targets, error=error)
-
-    def _has_all_exponentials(self, text: str) -> bool:
-        r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
-        n, tight = self.robot.n, "".join(FONT.sub("", text).split()).replace("\\hat", "")
-        every, *some = ("".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, m + 1)) for m in (n, 1, 2))
-        last, home = _EXPONENTIAL.replace("K", f"(?:n|N|{n})"), r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))"
-        product = rf"(?:{every}|(?:{'|'.join(some)})(?:\\[cl]?dots|\.\.+){last})"
-        return re.fullmatch(product + home + "|M" + product.replace("(?:S|", "(?:B|"), tight) is not None
 
     def _stands_for(self, left: Left) -> Expression | None:
         """What stands for a name of the pose or of a point until it is known which one is meant."""
@@ -377,9 +348,10 @@ class SideReading(Comparing):
             with suppress(CheckError):
                 if left is not None and joint is not None and (value := self.reader.formula(others[-1])) != joint:
                     (name,) = self.joints.keys() & {*names(joint)}
-                    is_opposed = negate(Name(name)) in (joint.terms if isinstance(joint, Sum) else (joint,))
-                    moved = add(negate(joint), value) if not is_opposed else add(joint, negate(value))
-                    solutions.setdefault(self._label(left), {})[name] = add(Name(name), moved)
+                    is_opposed = negate(Name(name)) in (joint.terms if isinstance(joint, tree.Sum) else (joint,))
+                    moved = add(negate(joint), value)
+                    moved = add(Name(name), negate(moved) if is_opposed else moved)
+                    solutions.setdefault(self._label(left), {})[name] = moved
         known, keeps = self.joints.keys() | self.parameters, self._values.keeps_pose
         own = {x: v for x, v in solutions.items() if known.issuperset(n for e in v.values() for n in names(e))}
         return frozenset(label for label, values in own.items() if len(values) > 1 and keeps(values))

@@ -244,6 +244,7 @@ _EQUATION = re.compile(
     r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3\u2080-\u2089])[ \t]*[.,;]?[ \t]*$",
     re.MULTILINE,
 )
+_PAIRS = (("\\begin", "\\end"), ("\\[", "\\]"))
 _TYPED = re.compile(r"[\u00b2\u00b3\u2080-\u2089\u221a]|(?:sin|cos|tan2?|sqrt)\s*\(")
 _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
@@ -282,11 +283,13 @@ def from_plain_text(text: str) -> Spelled:
 
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
-        is_prose = re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation)
-        if is_signed:  # among other mathematics a line of its own with an index, a root or a function as text has them
+        is_prose = bool(re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation))
+        if (
+            is_signed and not is_prose
+        ):  # between other mathematics, with an index, a root or a function as text has them
             before = match.string[: match.start()]
-            is_prose = is_prose or not _TYPED.search(equation) or re.search(r"[\\$&`#;]|\w\*\*\w", equation)
-            is_prose = is_prose or before.count("$$") % 2 or before.count("\\begin") > before.count("\\end")
+            is_prose = any(before.count(a) > before.count(b) for a, b in _PAIRS) or before.count("$$") % 2 > 0
+            is_prose |= not _TYPED.search(equation) or bool(re.search(r"[\\$&`#;]|\w\*\*\w", equation))
         equation = re.sub(r"\*\*(?=[ \t]*=)", "", equation)
         return match[0] if is_prose else f"$${_WORD.sub(_macro, equation)}$$"
 
@@ -365,10 +368,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"\\langle((?:(?!\\[lr]angle|\|)[^$])*,(?:(?!\\[lr]angle|\|)[^$])*)\\rangle"), lambda m: f"({m[1]})"),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
-    (
-        re.compile(r"(?<![A-Za-z\\])([mla])_([1-9])([2-9])(?=[A-Za-z\\])"),
-        lambda m: f"{m[1]}_{m[2]} {m[3]}",
-    ),  # as printed
+    (re.compile(r"(?<![A-Za-z\\])([mla]_[1-9])([2-9])(?=[A-Za-z\\])"), lambda m: f"{m[1]} {m[2]}"),
     (re.compile(r"(\\end\{[bp]matrix\}\s*)[xX](?=\s*\\begin)"), lambda m: f"{m[1]}\\times "),
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     (_SLOPE, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),

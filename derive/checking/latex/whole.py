@@ -16,7 +16,7 @@ from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.formulas.findings import Finding
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.formula import LatexReader
-from derive.checking.latex.left import AXES, Left, Turned, taken_apart
+from derive.checking.latex.left import AXES, FONT, Left, Turned, taken_apart
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE, Meanings, Right, at_a_point
 from derive.checking.latex.names import PRIME, LatexNames
@@ -58,6 +58,7 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
+_EXPONENTIAL = r"e\^\{\[?\{?(?:S|\\xi)\}?_\{?K\}?\]?\\theta_\{?K\}?\}"  # e^{[S_K] theta_K}, of a screw axis
 Defined = tuple[str, int, Expression, LatexPiece]  # a name, its equation's number, what it stands for, its side
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
@@ -357,6 +358,15 @@ def between(start: int, stop: int, robot: Robot) -> str:
     if stop > robot.n:
         return "tool" if start == robot.n else f"end[{start}]"
     return f"T[{start},{stop}]" if start >= 0 else f"T[{stop}]"
+
+
+def has_all_exponentials(text: str, n: int) -> bool:
+    r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
+    tight = "".join(FONT.sub("", text).split()).replace("\\hat", "")
+    every, *some = ("".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, m + 1)) for m in (n, 1, 2))
+    last, home = _EXPONENTIAL.replace("K", f"(?:n|N|{n})"), r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))"
+    product = rf"(?:{every}|(?:{'|'.join(some)})(?:\\[cl]?dots|\.\.+){last})"
+    return re.fullmatch(product + home + "|M" + product.replace("(?:S|", "(?:B|"), tight) is not None
 
 
 def divided_rows(robot: Robot, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
