@@ -291,7 +291,8 @@ class ByValue:
                 ways = [way / np.linalg.norm(way, axis=1, keepdims=True).clip(_CLOSE) for way in (a - at, b - at)]
                 cosine = (ways[0] * ways[1]).sum(axis=1, keepdims=True)
                 angle, label = np.arccos(cosine.clip(-1, 1)), f"angle {one}, {name}, {other}"
-                yield from ((label, angle), (f"pi - {label}", np.pi - angle), (f"cos({label})", cosine))
+                yield from ((label, angle), (f"pi - {label}", np.pi - angle))
+                yield from ((f"cos({label})", cosine), (f"cos(pi - {label})", -cosine))
 
     def is_singular(self, e: Expression) -> bool:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""

@@ -139,7 +139,7 @@ class Meanings:
             own = (k for k, kind in enumerate(kinds, 1) if kind == (label, not is_slide))
             left = replace(left, sub=f"{row},{next(own, label)}", arguments="")
         # c_1 of Hamilton's equations is a short name
-        is_lent = left.head in self.lent and re.fullmatch("[1-9]{2}", left.sub)
+        is_lent = left.head in self.lent and re.fullmatch("[1-9]{2}" if left.head != "h" else "[1-9]", left.sub)
         if left.is_plain and (is_lent or (left.head == "c" and "1" in self.momenta)):
             return ()
         if left.head in self.columns and left.is_plain and left.sub in AXES:

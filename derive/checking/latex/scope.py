@@ -89,7 +89,8 @@ class Scope:
         self.torques: dict[str, Expression] = {}
         self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
         self._define()
-        if document and (lent := self._lent_letters()):
+        lent = self._lent_letters() if document else frozenset[str]()
+        if lent := lent | frozenset("h" * bool(document and re.search(r"g\s*h\s*_", plain))):  # heights, m_1 g h_1
             self.meanings.lent = lent
             self._define()
         self.meanings.torque = next(iter(orders.values())) if orders else self._settled_torque() if document else 0

@@ -156,8 +156,9 @@ class SideReading(Comparing):
     def _sides_by_value(self, equation: Sides) -> Iterator[Finding]:
         """What sides of an equation are by their values beside a name, or a matrix of names, of the author's own."""
         for first, others in ((equation[0], equation[1:] or equation), (equation[-1], equation[:-1])):
-            # a matrix without a name, as words before it say what it is
-            is_lone = len(equation) == 1 and (first.text.strip(AROUND) == MATRIX_MARK or bool(listed(first)))
+            # a display without a name, as words before it say what it is
+            is_lone = len(equation) == 1 and not (first.inline and first.text.strip(AROUND) != MATRIX_MARK)
+            is_lone |= len(equation) == 1 and bool(listed(first))
             if not is_lone and (len(equation) == 1 or not self._is_own_name(first, is_first=first is equation[0])):
                 continue
             for side in others:
