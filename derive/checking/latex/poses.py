@@ -40,6 +40,7 @@ class Points(Enum):
     CENTRE = "centres of mass"
     JOINT = "the joints where links begin"
     NEXT = "centres of mass of the links on a cart"
+    CART = "ends of links, seen from the cart"
     AXIS = "coordinates of the end effector, x_1, x_2 and x_3"
 
 
@@ -118,6 +119,8 @@ class Poses:
         own = {w: ("xyz".index(m[2]) + 1, columns[m[1]]) for w, m in named.items() if m and m[1] in columns}
         self._model, self._names = model, replace(found, entries={**found.entries, **own})
         self._has_accelerations = bool(re.search(r"\\ddot\s*\{?\s*[xyzXYZ]", text))
+        # a point's coordinate is added to another one, that of the cart from which it is seen
+        self._adds_points = bool(re.search(r"\+\s*(?:\\dot)?[\s{]*[xyz][\s}]*_\s*\{?[1-9]", text))
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         self._centres = {word for word, match in points.items() if (match[2] or match[5]) and model.robot.links}
         known = [(w, m) for w, m in points.items() if w in self._centres or not (m[2] or m[5])]
@@ -295,6 +298,7 @@ class Poses:
         are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
         has_cart = self._model.n > 1 and not self._model.robot.movers[0].is_revolute
         may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and bool(self._model.robot.links)}
+        may_be[Points.CART] = has_cart and self._adds_points
         return [kind for kind in Points if may_be.get(kind, True)]
 
     def _values(self, kind: Points) -> dict[str, Expression]:
@@ -324,7 +328,8 @@ class Poses:
             return own_quantity(self._model, f"centre[{min(link + 1, n)}]")
         # in the modified convention a link begins at its frame, and ends at the next one
         end = link + (robot.convention is Convention.MODIFIED) - (kind is Points.JOINT)
-        return (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
+        place = (self._model.quantity(f"T[{end}]") if end <= n else self._model.quantity("T"))[:3, 3]
+        return place - self._model.quantity("T[1]")[:3, 3] * int(kind is Points.CART)
 
 
 def _is_right(finding: Finding | None) -> bool:
