@@ -27,8 +27,7 @@ from derive.errors import CheckError, Location, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
-from derive.robot.expression import ZERO, Expression, Name, add, is_constant, names, substitute
-from derive.robot.names import velocity_name
+from derive.robot.expression import ZERO, Expression, Name, is_constant, names, substitute
 
 
 @dataclass(frozen=True, slots=True)
@@ -153,10 +152,7 @@ class _Check(SideReading):
                 continue
             # beside a formula the value of the other side says nothing
             is_lone = isinstance(one.first, Name) and not (names_of_pose(one.other) or one.is_open or one.is_branch)
-            is_point = poses is not None and any(map(poses.is_point, one.pose_names))
-            if (finding := next(judged)) is not None and is_point and self._may_count_from_carriage(finding):
-                self.skipped.append(Skipped(one.where, f"{quoted(one.left)} may be seen from the carriage", one.right))
-            elif finding is not None and (finding.verdict.equal or not one.is_condition(self.robot)):
+            if (finding := next(judged)) is not None and (finding.verdict.equal or not one.is_condition(self.robot)):
                 yield from self._under_conditions(finding)
             elif finding is not None:
                 reason = f"{quoted(one.left)} = {quoted(one.right)} is a condition"
@@ -167,14 +163,6 @@ class _Check(SideReading):
                 shown = f"which pose {', '.join(sorted(one.pose_names))} means is not certain"
                 reason = _TWO_FORMULAS.format(one.left) if one.is_open else shown
                 self.skipped.append(Skipped(one.where, reason, one.right))
-
-    def _may_count_from_carriage(self, finding: Finding) -> bool:
-        """Whether a point's coordinate, or its rate, is right but for the variable of a first joint that slides."""
-        first, question = self.robot.movers[0], finding.question
-        if first.is_revolute or finding.verdict.equal or question is None:
-            return False
-        moved = [add(question.printed, Name(q)) for q in (first.variable, velocity_name(first.variable))]
-        return any(compare(self.robot, one, question.right).equal for one in moved)
 
     @property
     def _names_the_pose(self) -> bool:

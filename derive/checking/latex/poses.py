@@ -119,8 +119,6 @@ class Poses:
         own = {w: ("xyz".index(m[2]) + 1, columns[m[1]]) for w, m in named.items() if m and m[1] in columns}
         self._model, self._names = model, replace(found, entries={**found.entries, **own})
         self._has_accelerations = bool(re.search(r"\\ddot\s*\{?\s*[xyzXYZ]", text))
-        # a point's coordinate is added to another one, that of the cart from which it is seen
-        self._adds_points = bool(re.search(r"\+\s*(?:\\dot)?[\s{]*[xyz][\s}]*_\s*\{?[1-9]", text))
         points = {word: match for word in words if (match := _POINT.fullmatch(word))}
         self._centres = {word for word, match in points.items() if (match[2] or match[5]) and model.robot.links}
         known = [(w, m) for w, m in points.items() if w in self._centres or not (m[2] or m[5])]
@@ -297,8 +295,8 @@ class Poses:
         """What points may be; with x_1 and x_2 alone, also the coordinates of one of them."""
         are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
         has_cart = self._model.n > 1 and not self._model.robot.movers[0].is_revolute
-        may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and bool(self._model.robot.links)}
-        may_be[Points.CART] = has_cart and self._adds_points
+        has_links = bool(self._model.robot.links)
+        may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and has_links, Points.CART: has_cart and has_links}
         return [kind for kind in Points if may_be.get(kind, True)]
 
     def _values(self, kind: Points) -> dict[str, Expression]:
