@@ -151,13 +151,13 @@ class ByValue:
     @property
     def _frames(self) -> list[Array]:
         """Those of the table, and that of the end effector where a tool moves it."""
-        frames = [self._numbers(self._model.frame(k)) for k in range(self._model.n + 1)]
-        return frames + [self._numbers(self._model.quantity("T"))] * (self._robot.tool != IDENTITY)
+        last = [self._model.quantity("T")] * (self._robot.tool != IDENTITY)
+        return list(map(self._numbers, (*map(self._model.frame, range(self._model.n + 1)), *last)))
 
     def _points(self, is_dynamic: bool) -> list[tuple[str, int, Array]]:
         """Origins of frames and centres of mass: name, link, place."""
-        n, frames = self._model.n, self._frames
-        points = [(f"p[{k}]", min(k, n), frame[:, :3, 3:]) for k, frame in enumerate(frames)]
+        frames = self._frames
+        points = [(f"p[{k}]", min(k, self._model.n), frame[:, :3, 3:]) for k, frame in enumerate(frames)]
         for k, body in enumerate(self._robot.links if is_dynamic else (), 1):
             com = np.array([[[float_value(e, at)] for e in body.com] for at in self._at])
             points.append((f"centre[{k}]", k, frames[k][:, :3, :3] @ com + frames[k][:, :3, 3:]))
@@ -244,10 +244,10 @@ class ByValue:
     def at_home(self, table: Table, left: Left) -> str:
         """The frame on a link, or its place, that a matrix is where all joint variables are zero; empty of others."""
         number, home = re.sub("[^0-9]", "", left.sub) or str(self._model.n), ByValue(self._model, None)
-        if left.dots or len(table.entries) < 3 or any(entry.unknown for entry in table.entries) or self._robot.is_tree:
-            return ""
         for at in home._at:
             at.update(dict.fromkeys(self._joints, 0.0))
+        if left.dots or len(table.entries) < 3 or any(entry.unknown for entry in table.entries) or self._robot.is_tree:
+            return ""
         with suppress(*NO_VALUE):
             values = np.array([[float_value(entry.formula, at) for entry in table.entries] for at in home._at])
             frames = home._on_links(home._frames, home._points(is_dynamic=True))

@@ -201,7 +201,13 @@ def test_lines_of_plain_text_that_are_equations_become_displays() -> None:
         r"$$x = a1*\operatorname{cos}(\theta_{1})$$",
         r"$$\theta_{2} = \operatorname{atan2}(y, x)$$",
     ]
-    assert from_plain_text(f"{text} $y$")[0] == f"{text} $y$"
+    among = from_plain_text(f"{text} $y$\n$$x\ny = sin(q1)$$")[0].splitlines()
+    assert among[1:] == [
+        r"$$x = a1*\operatorname{cos}(\theta_{1})$$",
+        *f"{text} $y$".splitlines()[2:],
+        "$$x",
+        "y = sin(q1)$$",
+    ]
 
 
 @given(st.text(alphabet="\u1e8bq\u0307\u221a(a) \\frac{l}2c12=", max_size=30))

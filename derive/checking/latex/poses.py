@@ -294,9 +294,8 @@ class Poses:
     def _kinds(self) -> list[Points]:
         """What points may be; with x_1 and x_2 alone, also the coordinates of one of them."""
         are_axes = all(axis == 0 and k <= len(AXES) and w not in self._centres for w, (axis, k) in self._points.items())
-        has_cart = self._model.n > 1 and not self._model.robot.movers[0].is_revolute
-        has_links = bool(self._model.robot.links)
-        may_be = {Points.AXIS: are_axes, Points.NEXT: has_cart and has_links, Points.CART: has_cart and has_links}
+        has_cart = self._model.n > 1 and not self._model.robot.movers[0].is_revolute and bool(self._model.robot.links)
+        may_be = {Points.AXIS: are_axes, **dict.fromkeys((Points.NEXT, Points.CART), has_cart)}
         return [kind for kind in Points if may_be.get(kind, True)]
 
     def _values(self, kind: Points) -> dict[str, Expression]:

@@ -99,12 +99,10 @@ class SideReading(Comparing):
 
     def otherwise(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """What can be said of an equation that is not read as it stands."""
-        first, *others = equation
-        if re.match(r"\s*T\b", first.text) and any(has_all_exponentials(s.text, self.robot.n) for s in others):
-            return (self._about(first, "T", Verdict(True, True)),)
+        if re.match(r"\s*T\b", equation[0].text) and any(has_all_exponentials(s.text, self.robot.n) for s in equation):
+            return (self._about(equation[0], "T", Verdict(True, True)),)
         found = self._home(equation) or self._singular(equation) or self._of_motion(equation)
-        found = found or (*self._sides_by_value(equation),)
-        return found or self._of_unknown(index, equation)
+        return found or (*self._sides_by_value(equation),) or self._of_unknown(index, equation)
 
     def _home(self, equation: Sides) -> tuple[Finding, ...]:
         """That a place or a frame is right where all joint variables are zero: r_1(0) = [...], M = [...]."""
@@ -214,10 +212,10 @@ class SideReading(Comparing):
         for given in ({}, several) if len(equation) > 1 else ():
             with suppress(CheckError):
                 (first, other), letters = self._with_letters(index, (equation[0], equation[-1]), given | known)
-                if first.shape != other.shape:
-                    continue
-                pairs = zip(first.entries, other.entries, strict=True)
+                pairs = list(zip(first.entries, other.entries, strict=first.shape == other.shape))
                 zeros = [add(a.formula, negate(b.formula)) for a, b in pairs]
+                if first.shape != other.shape or all(compare(self.robot, zero, ZERO).equal for zero in zeros):
+                    continue  # what a name is given there
                 (note, *more), zero = {self._values.motions.driven(zero, letters) for zero in zeros}, zeros[0]
                 if known and letters:
                     still = add(zero, negate(substitute(zero, dict.fromkeys(self.joints, ZERO))))

@@ -244,7 +244,6 @@ _EQUATION = re.compile(
     r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3\u2080-\u2089])[ \t]*[.,;]?[ \t]*$",
     re.MULTILINE,
 )
-_PAIRS = (("\\begin", "\\end"), ("\\[", "\\]"))
 _TYPED = re.compile(r"[\u00b2\u00b3\u2080-\u2089\u221a]|(?:sin|cos|tan2?|sqrt)\s*\(")
 _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
@@ -281,15 +280,14 @@ def from_plain_text(text: str) -> Spelled:
     if not is_signed and "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
         return _rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
 
+    outside = re.sub(r"(?s)\$\$.*?\$\$|\\\[.*?\\\]|\\begin\{(\w+)\*?\}.*?\\end\{\1", lambda m: blank(m[0]), found[0])
+
     def display(match: re.Match[str]) -> str:
         equation = match["equation"]
         is_prose = bool(re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation))
-        if (
-            is_signed and not is_prose
-        ):  # between other mathematics, with an index, a root or a function as text has them
-            before = match.string[: match.start()]
-            is_prose = any(before.count(a) > before.count(b) for a, b in _PAIRS) or before.count("$$") % 2 > 0
-            is_prose |= not _TYPED.search(equation) or bool(re.search(r"[\\$&`#;]|\w\*\*\w", equation))
+        if is_signed:  # outside of mathematics, with an index, a root or a function as plain text has them
+            is_prose |= outside[match.start("equation")] == " " or not _TYPED.search(equation)
+            is_prose |= bool(re.search(r"[\\$&`#;]|\w\*\*\w", equation))
         equation = re.sub(r"\*\*(?=[ \t]*=)", "", equation)
         return match[0] if is_prose else f"$${_WORD.sub(_macro, equation)}$$"
 
