@@ -9,6 +9,7 @@ import random
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
+from functools import cached_property
 from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
@@ -148,7 +149,7 @@ class ByValue:
     def _numbers(self, matrix: Matrix) -> Array:
         return np.array([matrix_value(matrix, at) for at in self._at])
 
-    @property
+    @cached_property
     def _frames(self) -> list[Array]:
         """Those of the table, and that of the end effector where a tool moves it."""
         last = [self._model.quantity("T")] * (self._robot.tool != IDENTITY)
@@ -258,11 +259,11 @@ class ByValue:
 
     def _on_links(self, frames: list[Array], points: list[tuple[str, int, Array]]) -> Iterator[Named]:
         """Frames at places of a link: that of the table, and the one that is parallel to the base at home."""
-        zero = dict.fromkeys(self._joints, 0.0)
+        zero, links = dict.fromkeys(self._joints, 0.0), map(self._model.frame, range(self._model.n + 1))
+        still = [np.array([matrix_value(link, {**at, **zero}) for at in self._at]) for link in links]
         for name, k, place in points:
             for link in {k, min(k + 1, self._model.n)} - {0} if name[0] == "p" else {k}:
-                still = np.array([matrix_value(self._model.frame(link), {**at, **zero}) for at in self._at])
-                for turn in (np.eye(4), still.swapaxes(1, 2)):
+                for turn in (np.eye(4), still[link].swapaxes(1, 2)):
                     seen = frames[link].copy()
                     seen[:, :3, :3] = seen[:, :3, :3] @ turn[..., :3, :3]
                     seen[:, :3, 3:] = place
