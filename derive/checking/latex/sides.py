@@ -214,7 +214,7 @@ class SideReading(Comparing):
                 (first, other), letters = self._with_letters(index, (equation[0], equation[-1]), given | known)
                 pairs = list(zip(first.entries, other.entries, strict=first.shape == other.shape))
                 zeros = [add(a.formula, negate(b.formula)) for a, b in pairs]
-                if first.shape != other.shape or all(compare(self.robot, zero, ZERO).equal for zero in zeros):
+                if first.shape != other.shape or are_alike(first, other):
                     continue  # what a name is given there
                 (note, *more), zero = {self._values.motions.driven(zero, letters) for zero in zeros}, zeros[0]
                 if known and letters:
