@@ -100,11 +100,13 @@ FUNCTIONS: Mapping[str, Definition] = {
     },
     "manipulability_dq": Definition(("q",), False, rates.manipulability_dq, axes=1, most=16),
     "wrench_torques": Definition(("q", "h"), False, rates.wrench_torques, axes=1, joints=LAST),
+    "wrench_torques_dq": Definition(
+        ("q", "h"), True, partial(rates.slopes, rates.wrench_torques), most=16, joints=BOTH
+    ),
     "wrench_torques_end": Definition(("q", "h"), False, rates.wrench_torques_end, axes=1, joints=LAST),
-    **{
-        f"{felt.__name__}_dq": Definition(("q", "h"), True, partial(rates.slopes, felt), most=16, joints=BOTH)
-        for felt in (rates.wrench_torques, rates.wrench_torques_end)
-    },
+    "wrench_torques_end_dq": Definition(
+        ("q", "h"), True, partial(rates.slopes, rates.wrench_torques_end), most=16, joints=BOTH
+    ),
     "task_inertia": Definition(("q",), True, lambda arm, q: np.linalg.pinv(rates.task_mobility(arm, q)), most=16),
     **{
         f"{name}_wrench{suffix}{order}": Definition(
