@@ -21,7 +21,15 @@ from derive.motion.curves.trajectory import Trajectory, curves_of, followed, rea
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
 from derive.motion.torques.base_torques import BaseTorques, carried_body
-from derive.motion.torques.functions import LEAST_INTERVALS, Functions, arm_of, check_numbers, joint_positions, loads
+from derive.motion.torques.functions import (
+    LEAST_INTERVALS,
+    Functions,
+    arm_of,
+    check_numbers,
+    joint_positions,
+    loads,
+    reached_of,
+)
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
 from derive.plans.hermite import TIME
@@ -35,6 +43,7 @@ from derive.robot.inertial_parameters import LINK_PARTS
 from derive.robot.names import free_symbols
 
 if TYPE_CHECKING:  # simulations are imported where there is one
+    from derive.inverse.loops.linkage import Reached
     from derive.motion.simulation.simulation import Run
 
 MOST_SAMPLES = 1_000_000  # of a motion: a thousand seconds at a kilohertz
@@ -80,8 +89,10 @@ class Motion:
         motion = cls(plan)
         motion._samples_in(motion.duration)
         if plan.robot.loops:
-            closed = joint_positions(plan.robot, motion(motion.times)[0], motion.values)[1]
-            motion._check_loops(motion.times, closed, "do not close")
+            _, closed, missing = joint_positions(plan.robot, motion(motion.times)[0], motion.values, motion.reached)
+            of_first = missing[~closed][:1].tolist()  # zero of loops with formulas
+            what = f"are open by {of_first[0]:.3g} [m, or entries of rotations]" if any(of_first) else "do not close"
+            motion._check_loops(motion.times, closed, what)
         for k, each in enumerate(plan.disturbances):
             if (start := evaluate(each.start, motion.values)) >= motion.duration:
                 found = f"a disturbance from {start:.6g} s on, and the motion ends after {motion.duration:.6g} s"
@@ -171,6 +182,11 @@ class Motion:
             place = self.plan.places.get(what)
             raise RobotFileError(found, allowed=error.allowed, remedy=error.remedy, location=place) from None
 
+    @cached_property
+    def reached(self) -> Reached | None:
+        """Where loops without formulas were closed on the way; None where there are none."""
+        return reached_of(self.plan.robot)
+
     @property
     def has_torques(self) -> bool:
         """Whether torques are known: of a robot with links."""
@@ -201,7 +217,7 @@ class Motion:
         """
         times, ends = np.asarray(t, dtype=float), self.plan.robot.ends
         robot, places = arm_of(self.plan.robot, ends[0].name if len(ends) == 1 and not end else end)
-        functions = Functions(robot, frozenset({"forward_kinematics"}), self.values)
+        functions = Functions(robot, frozenset({"forward_kinematics"}), self.values, reached=self.reached)
         arm = functions("forward_kinematics", self(times)[0][..., list(places)])
         return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
@@ -405,7 +421,7 @@ class Motion:
         self._check_dynamics()
         carries = any(step.payload for step in self.plan.steps)
         names = ("inverse_dynamics", "regressor") if carries else ("inverse_dynamics",)
-        return Functions(self.plan.robot, frozenset(names), self.values)
+        return Functions(self.plan.robot, frozenset(names), self.values, reached=self.reached)
 
     def _check_dynamics(self) -> None:
         if not (robot := self.plan.robot).has_dynamics:

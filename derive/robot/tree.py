@@ -237,6 +237,12 @@ def massless(rows: tuple[FixedRow, ...]) -> tuple[FixedRow, ...]:
     return tuple(replace(row, link=None) for row in rows)
 
 
+def bare(robot: Some) -> Some:
+    """Its table alone, equal for robots of equal tables and names."""
+    table = replace(robot, links=(), gravity=None, fixed=massless(robot.fixed), ends=())
+    return replace(table, title="", digest="", source="", remarks=())
+
+
 def is_arm(robot: Description) -> bool:
     """Whether its joints follow each other to one end without a name, whatever is constant between them."""
     is_alone = not (robot.root or robot.coupled or (robot.ends and robot.ends[0].name))

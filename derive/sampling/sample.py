@@ -171,8 +171,9 @@ def program_for(robot: Robot, asked: Sequence[str]) -> Program:
         if not own:
             raise QuantityError(f"{robot.name} has no {known[word]}", remedy="derive show lists what it has")
         if own[0].widths:
-            why = f"{known[word]} of {robot.name} takes passive joints, whose loops are solved numerically"
-            raise QuantityError(why, remedy="call the generated code along a way of configurations")
+            why = f"{known[word]} of {robot.name}: loops are solved numerically from the last configuration"
+            remedy = "call the generated code along a way, or derive move: random configurations have no last one"
+            raise QuantityError(why, remedy=remedy)
         if not own[0].arguments:
             raise QuantityError(f"{known[word]} is the same in every configuration", remedy="leave it out")
     return found

@@ -160,11 +160,11 @@ class RobotPoses:
             found.append(limits and (to_float(limits[0], values), to_float(limits[1], values)))
         return tuple(found)
 
-    def frames(self, q: Sequence[float]) -> tuple[Pose, ...]:
-        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]."""
+    def frames(self, q: Sequence[float], joints: Sequence[float] = ()) -> tuple[Pose, ...]:
+        """Base frame 0, frames 1 to n and the end effector in the world: n + 2 transforms 4x4 [m]; joints if known."""
         # Of a tree the frames of rows without motion come behind frame n, then for all these rows the frames in which
         # they begin, and last the ends.
-        inner, chain = self._joint_frames(self.joints(q), math.cos, math.sin), self._chain
+        inner, chain = self._joint_frames(joints or self.joints(q), math.cos, math.sin), self._chain
         rows = [chain.base, *(frame @ end for frame, end in zip(inner, chain.ends, strict=True))]
         tips = [rows[joint + 1] @ end for joint, end in self._ends] or [(inner[-1] if inner else rows[0]) @ chain.tool]
         if self.robot.is_tree:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
@@ -20,7 +20,7 @@ from derive.mechanics.floats import ArrayDomain
 from derive.robot import tree
 from derive.robot.description import Loop
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.names import free_symbols
+from derive.robot.names import free_symbols, limit_symbols, robot_symbols
 from derive.robot.robot import Robot
 
 STEP = 0.5  # most that a joint moves in a step [rad, or of all lengths together]
@@ -40,7 +40,7 @@ Found = tuple[Array, Array, Array, Array]
 class IteratedLoops(Closing):
     """Loops whose passive joints have no formulas."""
 
-    robot: Robot  # without links
+    robot: Robot  # its table alone
     before: Before
 
     def positions(self, q: Sequence[Array], values: Mapping[str, Any]) -> tuple[list[Array], Array]:
@@ -59,7 +59,9 @@ class IteratedLoops(Closing):
 
     def searched(self, numbers: Mapping[str, float]) -> Found:
         """Configurations that random ones lead to."""
-        return _searched(self.robot, self.loops, self.passive, self.before, tuple(sorted(numbers.items())))
+        own = {*robot_symbols(self.robot), *limit_symbols(self.robot)}
+        known = tuple(sorted((name, x) for name, x in numbers.items() if name in own))
+        return _searched(self.robot, self.loops, self.passive, self.before, known)
 
     def search(self, numbers: Mapping[str, float]) -> Found:
         """The same, looked for."""
@@ -142,8 +144,7 @@ def iterated(robot: Robot, loops: Sequence[Loop], known: Sequence[int], before: 
     """Loops that determine their passive joints together, besides those that are known; None where they do not."""
     around = {k for loop in loops for way in tree.around(robot, loop) for k in way if robot.joints[k].follows}
     passive = tuple(sorted(around - {*known}))
-    bare = replace(robot, links=(), gravity=None, fixed=tree.massless(robot.fixed))
-    one = IteratedLoops(loops=tuple(loops), passive=passive, robot=bare, before=before)
+    one = IteratedLoops(loops=tuple(loops), passive=passive, robot=robot, before=before)
     source = np.random.default_rng(5)
     numbers = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in free_symbols(robot)})
     _, _, missing, singular = one.searched({name: float(x) for name, x in numbers.items()})

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from itertools import combinations
 from typing import Any
 
@@ -30,7 +30,7 @@ from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
 from derive.inverse.loops.circuit import Circuit, circuit
 from derive.inverse.loops.closing import OPEN, SAMPLES, Array, Closing, Twist, are_opposed, gaps, reach, refused, twists
-from derive.inverse.loops.iterated import IteratedLoops, iterated
+from derive.inverse.loops.iterated import STEP, IteratedLoops, iterated
 from derive.inverse.loops.rod import rod_graph
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
@@ -45,6 +45,9 @@ from derive.robot.robot import Robot
 
 _DRAWS = 16  # numbers of symbols at which a loop is assembled
 _TINY = 1e-300  # [m] where nothing is missing
+_NEAR = 0.05  # way of a variable from one configuration that is known to the next [rad, or of all lengths together]
+_ROUNDS = 4  # of Newton steps: near dead points each of them goes half of the way
+_BLOCK = 256  # configurations that are compared with all that are known at once
 _RANK = 1e-7  # singular values below this part of the largest are rounding
 
 
@@ -90,7 +93,8 @@ def linkage(robot: Robot) -> tuple[Closing, ...]:
         one: Closing | QuantityError | None = waiting[0][1] if waiting else _solved(robot, loop, known)
         if isinstance(one, QuantityError):
             waiting.append((loop, one))
-            one = iterated(robot, [each for each, _ in waiting], known, partial(_full, robot, tuple(found)))
+            bare = tree.bare(robot)
+            one = iterated(bare, [each for each, _ in waiting], known, _Before(bare, tuple(found)))
         if one is not None:
             waiting.clear()
             found.append(one)
@@ -100,8 +104,21 @@ def linkage(robot: Robot) -> tuple[Closing, ...]:
     return tuple(found)
 
 
-def _full(robot: Robot, loops: Sequence[Closing], q: Sequence[Array], values: Mapping[str, float]) -> list[Array]:
-    return positions(robot, loops, q, values)[0]
+@lru_cache(32)
+def is_iterated(robot: Robot) -> bool:
+    """Whether some of its loops have no formulas."""
+    return not all(isinstance(one, SolvedLoop) for one in linkage(robot))
+
+
+@dataclass(frozen=True)
+class _Before:
+    """The loops that come before others, equal for equal tables, so that these are searched once."""
+
+    robot: Robot
+    loops: tuple[Closing, ...]
+
+    def __call__(self, q: Sequence[Array], values: Mapping[str, float]) -> list[Array]:
+        return positions(self.robot, self.loops, q, values)[0]
 
 
 def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | QuantityError:
@@ -282,6 +299,58 @@ def positions(
         if one.loop.by is Joining.DISTANCE:  # no entry of a pose
             missing = np.maximum(missing, np.abs(_stretch(robot, one.loop, full, values)))
     return full, missing < OPEN
+
+
+class Reached:
+    """Configurations in which loops without formulas were closed, each from one before, the first as in `positions`."""
+
+    def __init__(self, robot: Robot) -> None:
+        self._robot, self._q, self._passive = tree.bare(robot), np.empty((0, robot.dof)), np.empty((0, 0))
+
+    def __call__(self, close: Callable[[Array, Array], Array], values: Mapping[str, float], q: Array) -> Array:
+        """Passive joints of variables, (..., n), and by how much loops are open; not numbers where they do not close.
+
+        They begin from the nearest configuration that is known, to which others are added on the way.
+        """
+        rows, whole = q.reshape(-1, q.shape[-1]), reach(self._robot, values)
+        unit, own = (
+            [1.0 if x.is_revolute else whole for x in part] for part in (self._robot.variables, self._robot.passive)
+        )
+        if not len(self._q):
+            full, _ = positions(self._robot, linkage(self._robot), list(rows[:1].T), values)
+            start = [full[k] for k, joint in enumerate(self._robot.joints) if joint.follows]
+            self._q, self._passive = rows[:1].copy(), np.stack(start, axis=-1)
+
+        def _closed(at: Array, start: Array) -> Array:
+            found = np.hstack([start, np.full((len(at), 1), np.inf)])
+            for _ in range(_ROUNDS):
+                if (found[:, -1] < OPEN).all():
+                    break
+                # numbers are faster than arrays of one
+                found = close(at, found[:, :-1]) if len(at) > 1 else close(at[0], found[0, :-1])[None]
+            far = (np.abs(found[:, :-1] - start) > STEP * np.array(own)).any(axis=-1)
+            found[far | ~(found[:, -1] < OPEN), :-1] = np.nan
+            return found
+
+        answers = []
+        for at in np.array_split(rows, range(_BLOCK, len(rows), _BLOCK)):
+            tried = np.zeros(len(at), dtype=bool)
+            while True:
+                off = np.abs((at[:, None] - self._q) / unit).max(axis=-1)
+                nearest, way = off.argmin(axis=1), off.min(axis=1)
+                if not (outside := np.flatnonzero((way > _NEAR) & ~tried)).size:
+                    break
+                tried[first := outside[0]] = True
+                begin, passive = self._q[nearest[first]], self._passive[nearest[first]]
+                for part in np.linspace(0, 1, math.ceil(way[first] / _NEAR) + 1)[1:]:
+                    here = begin + (at[first] - begin) * part
+                    if np.isnan(passive := _closed(here[None], passive[None])[0, :-1]).any():
+                        break
+                    self._q, self._passive = np.vstack([self._q, here]), np.vstack([self._passive, passive])
+            found = _closed(at, self._passive[nearest])
+            found[way > _NEAR, :-1] = np.nan
+            answers.append(found)
+        return np.concatenate(answers).reshape(*q.shape[:-1], -1)
 
 
 def constant_rows(robot: Robot, values: Mapping[str, Any]) -> list[list[float]]:

@@ -21,6 +21,7 @@ from derive.handouts.figure.scene import Scene, arm_scene
 from derive.interrupts import TemporaryFolder
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
+from derive.motion.torques.functions import joint_positions
 from derive.robot.tree import ends
 from derive.workspace.poses import RobotPoses
 
@@ -38,7 +39,8 @@ def frames_of(motion: Motion, times: Array, q: Array) -> Array:
     """Where the frames of the arm are."""
     robot, values = motion.plan.robot, (*motion.plan.robot.parameters, *motion.plan.values.items())
     poses = RobotPoses(replace(robot, parameters=tuple(dict(values).items())))
-    frames = np.array([poses.frames([float(value) for value in row]) for row in q])
+    joints = joint_positions(robot, q, motion.values, motion.reached)[0].tolist() if motion.reached else [()] * len(q)
+    frames = np.array([poses.frames(row, own) for row, own in zip(q.tolist(), joints, strict=True)])
     return frames if (moving := motion.base) is None else moving(times, 0)[:, None] @ frames
 
 

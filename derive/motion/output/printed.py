@@ -152,7 +152,8 @@ class HandCurve:
     def _functions(self) -> Functions:
         robot, place = self.robot, self._motion.plan.places["robot"]
         check_numbers(free_symbols(robot), self._motion.values, robot.name, place)
-        return Functions(robot, frozenset({"forward_kinematics", "jacobian"}), self._motion.values)
+        names, motion = frozenset({"forward_kinematics", "jacobian"}), self._motion
+        return Functions(robot, names, motion.values, reached=motion.reached)
 
     @cached_property
     def _model(self) -> KinematicModel:
@@ -352,7 +353,7 @@ def samples(motion: Motion, run: Run | None = None) -> tuple[tuple[str, ...], Ar
     names = ["t", *variables, *map(velocity_name, variables)]
     torques, places = [f"tau{j + 1}" for j in range(robot.dof)], [k for k, j in enumerate(robot.joints) if j.follows]
     passive, q = [robot.joints[k].variable for k in places], wanted[0] if run is None else run.q
-    last = joint_positions(robot, q, motion.values)[0][:, places]
+    last = joint_positions(robot, q, motion.values, motion.reached)[0][:, places]
     if run is not None:
         ledger = ("energy", "work", "lost", *given_in(run))
         columns = [run.t[:, None], run.q, run.qd, run.tau, *(getattr(run, name)[:, None] for name in ledger)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache, partial
 from pathlib import Path
 from typing import Any
@@ -170,6 +170,8 @@ def smooth(plant: Plant, law: Law, state: Array, span: tuple[float, float], time
         return np.empty((0, state.size)), Divergence(span[0], state[:n], state[n : 2 * n], is_dead=True)
     method = "LSODA" if rough else solver(_rates, state, span)
     got, end, divergence = integrated(_rates, state, span, times, method, _far if plant.rows else None)
+    if divergence is not None and plant.rows and np.abs(divergence.qd).max() < DIVERGED / 2:  # it does not go on
+        return got, replace(divergence, is_dead=True)
     return got, Divergence(end[0], end[1][:n], end[1][n : 2 * n], is_dead=True) if end else divergence
 
 

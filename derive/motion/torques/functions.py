@@ -1,11 +1,13 @@
 """The generated functions of a robot as a motion needs them, compiled where that is worth it, and what joints do."""
 
+from __future__ import annotations
+
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from copy import copy
 from dataclasses import replace
-from functools import lru_cache
+from functools import lru_cache, partial
 from itertools import pairwise
-from typing import Any, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -22,6 +24,9 @@ from derive.robot.robot import Robot
 from derive.targets.target import Source
 from derive.version import __version__
 
+if TYPE_CHECKING:  # the inverse kinematics, which few motions need
+    from derive.inverse.loops.linkage import Reached
+
 COMPILING = 2.0  # what a compiler takes [s]
 SAVED = 2e-8  # what compiled code saves an operation of a single call [s]
 
@@ -37,17 +42,16 @@ class Functions:
         *,
         calls: float = 0,
         inverse: bool = False,
+        reached: Reached | None = None,
     ) -> None:
         self.n = robot.dof
-        bare = bare_robot(robot)
+        bare, self._reached = bare_robot(robot), reached or reached_of(robot)
+        names |= frozenset({"passive_positions"} if self._reached else ())
         program = program_of(bare, names, inverse=inverse)
-        if any(function.widths for function in program):
-            found = f"functions of {robot.name} in a motion, where loops are solved numerically"
-            raise QuantityError(found, remedy="call passive_positions of the generated code from sample to sample")
         compiled = calls * max(sum(counts.values()) for counts in program.operations.values()) * SAVED > COMPILING
         self._module, self._folder = _imported(bare, names, inverse=inverse, compiled=compiled)
         self._parameters, self._inverse = program.parameters, program.inverse
-        self._options = self._numbers(values)
+        self._options, self._values = self._numbers(values), values
 
     def _numbers(self, values: Mapping[str, float]) -> dict[str, Any]:
         check_numbers(self._parameters, values, "the robot")
@@ -57,7 +61,7 @@ class Functions:
     def given(self, values: Mapping[str, float]) -> Self:
         """The same functions with other numbers."""
         other = copy(self)
-        other._options = self._numbers(values)
+        other._options, other._values = self._numbers(values), values
         return other
 
     @property
@@ -66,9 +70,20 @@ class Functions:
         return tuple(self._module.STANDARD_PARAMETERS)
 
     def __call__(self, name: str, *arguments: Array) -> Array:
-        """The value of a function."""
+        """The value of a function; not numbers where loops without formulas stay open."""
+        if self._reached:
+            passive, _ = self.passive(arguments[0])
+            if name == "passive_positions":
+                return passive
+            arguments = (*arguments, passive)
         value: Array = getattr(self._module, name)(*arguments, **self._options)
         return value
+
+    def passive(self, q: Array) -> tuple[Array, Array]:
+        """Passive joints of loops without formulas, (..., passive), and by how much these are open, see `Reached`."""
+        assert self._reached is not None
+        found = self._reached(partial(self._module.passive_positions, **self._options), self._values, q)
+        return found[..., :-1], found[..., -1]
 
     @property
     def branches(self) -> int:
@@ -106,12 +121,32 @@ def arm_of(robot: Robot, end: str) -> tuple[Robot, tuple[int, ...]]:
     return replace(arm, links=(), gravity=None), places
 
 
-def joint_positions(robot: Robot, q: Array, values: Mapping[str, float]) -> tuple[Array, Flags]:
-    """Of all joints, (..., joints) [rad or m], by those of the variables, (..., n), and where loops close, (...)."""
-    from derive.inverse.loops.linkage import linkage, positions  # the inverse kinematics, which few motions need
+def reached_of(robot: Robot) -> Reached | None:
+    """For configurations of loops without formulas; None where there are none."""
+    if not robot.loops:
+        return None
+    from derive.inverse.loops.linkage import Reached, is_iterated  # the inverse kinematics, which few motions need
 
-    found, closed = positions(robot, linkage(robot), list(np.moveaxis(q, -1, 0)), values)
-    return np.stack(found, axis=-1), closed
+    return Reached(robot) if is_iterated(robot) else None
+
+
+def joint_positions(
+    robot: Robot, q: Array, values: Mapping[str, float], reached: Reached | None = None
+) -> tuple[Array, Flags, Array]:
+    """Of all joints, (rows, joints) [rad or m], by those of the variables, (rows, n), and where loops close.
+
+    And by how much loops without formulas are open, (rows,), of others zero.
+    """
+    from derive.inverse.loops.linkage import constant_rows, linkage, positions
+
+    if reached is None:
+        found, closed = positions(robot, linkage(robot), list(q.T), values)
+        return np.stack(found, axis=-1), closed, np.zeros(len(q))
+    table = tree.bare(robot)
+    passive, missing = Functions(table, frozenset(), values, reached=reached).passive(q)
+    full = q @ np.array(constant_rows(table, values)).T
+    full[:, [bool(joint.follows) for joint in robot.joints]] = passive
+    return full, np.asarray(np.isfinite(passive).all(axis=-1)), missing
 
 
 @lru_cache(KEPT)

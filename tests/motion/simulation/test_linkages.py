@@ -1,6 +1,7 @@
 """Motions and simulations of robots with coupled joints and with closed loops."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,8 +13,12 @@ from derive.motion.torques.functions import Functions
 from derive.plans.catalogue import new_plan_text
 from derive.robot.expression import number
 from derive.robot.robot import Robot
+from tests.inverse.loops.test_iterated import PLATE, plate_gap
 from tests.random_robots import swept
 
+# The plate of the tests of loops without formulas, with bodies in the order of its rows.
+BODIES = "".join(f"  - {{mass: {m}, com: [-0.1, 0.02, 0], inertia: {{zz: 0.004}}}}\n" for m in (1, 2, 1, 0, 0, 1, 0, 1))
+HEAVY_PLATE = f"{PLATE}gravity: [0, -9.81, 0]\nlinks:\n{BODIES}"
 FOUR_BAR = "robot: four-bar\npoints: {a: [1], b: [0.7]}\npath: [a, {to: b, time: 2}]\n"
 COMPUTED = "control: {law: computed-torque, kp: 900, kd: 60}"
 
@@ -62,3 +67,37 @@ def test_dead_points_and_open_loops_end_with_their_time() -> None:
 def test_what_needs_joints_of_their_own_is_refused(more: str) -> None:
     with pytest.raises(DeriveError, match="whose joints are coupled"):
         Motion.from_text(f"{FOUR_BAR}{more}\n")
+
+
+def plate_plan(folder: Path, to: float, time: float, law: str, crank: float = 0.1) -> str:
+    (folder / "plate.yaml").write_text(HEAVY_PLATE.replace("r: 0.1", f"r: {crank}"))
+    points = f"points: {{a: [0.1], b: [{to}]}}\npath: [a, {{to: b, time: {time}}}]"
+    return f"robot: {folder / 'plate.yaml'}\n{points}\ncontrol: {{law: {law}}}\n"
+
+
+def test_loops_without_formulas_follow_from_the_last_configuration(tmp_path: Path) -> None:
+    motion = Motion.from_text(plate_plan(tmp_path, 13.0, 10, "none"))  # two turns, further than one way of `positions`
+    t = np.linspace(0, 10, 2001)
+    q, qd, _ = motion(t)
+    energy = Functions(motion.plan.robot, frozenset({"kinetic_energy", "potential_energy"}), motion.values)
+    stored = energy("kinetic_energy", q, qd) + energy("potential_energy", q)
+    work = np.append(0, np.cumsum((power := (motion.torques(t) * qd).sum(axis=1))[1:] + power[:-1])) * (t[1] / 2)
+    assert np.abs(stored - stored[0] - work).max() < 1e-4 * np.ptp(stored)
+    run = motion.simulate()
+    assert run.reached
+    assert np.ptp(run.energy) < 1e-8
+    names, rows = samples(motion, run)
+    q1, *passive = (rows[:, names.index(name)] for name in ("q1", "q2", "q3", "q4", "q5"))
+    assert np.abs(plate_gap(q1, np.array(passive))).max() <= 1e-9
+    assert np.abs(np.diff(passive)).max() < 0.5  # of one assembly from sample to sample
+    # Every time by itself, in any order, is the same configuration.
+    assert np.abs(motion.poses(t[::-7]) - motion.poses(t)[::-7]).max() < 1e-12
+
+
+def test_loops_without_formulas_end_with_time_and_with_what_is_missing(tmp_path: Path) -> None:
+    with pytest.raises(DeriveError, match=r"are open by \S+ \[m, or entries of rotations\] at 0\.\d+ s"):
+        Motion.from_text(plate_plan(tmp_path, 2.0, 1, "none", crank=0.3))
+    motion = Motion.from_text(plate_plan(tmp_path, 0.2, 3, "none", crank=0.3))
+    run = motion.simulate()
+    assert "dead point of a loop after" in diverged(motion, run)
+    assert run.energy_error < 1e-8
