@@ -16,7 +16,7 @@ from sympy.simplify.fu import TR10i
 from derive.algebra.domain import PolynomialDomain, polynomial_expression
 from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
-from derive.inverse.loops.closing import Closing, gaps, openings, reach
+from derive.inverse.loops.closing import Closing, gaps, openings, reach, twists
 from derive.inverse.loops.linkage import SolvedLoop, assembled, linkage, positions, slopes
 from derive.inverse.numeric.in_numbers import with_lines
 from derive.inverse.words.elementary import PrintedLine, reduced
@@ -29,13 +29,15 @@ from derive.robot.expression import Call, Expression, Name, Number, Power, add, 
 from derive.robot.names import acceleration_name, robot_symbols, velocity_name
 from derive.robot.robot import Robot
 
+_LONG = 60  # operations of det J_p; a longer one of loops together is printed as the determinant of its entries
+
 
 @dataclass(frozen=True)
 class JoinedLoops:
     """Loops that are solved together, and the derivatives of their passive joints."""
 
     loops: tuple[Loop, ...]
-    zeros: tuple[Expr, ...]  # factors of det J_p that move: no derivative has a value where one of them is zero
+    zeros: tuple[Expr, ...]  # factors of det J_p that move, or itself: no derivative has a value where one is zero
     names: tuple[str, ...]  # of the derivatives, G_q3_q1, and of the second ones, H_q3_q1_q1
     slope: Callable[[str], Expr]  # one by its name, a second one in the first: all of many variables take minutes
 
@@ -52,6 +54,16 @@ class LoopClosure(JoinedLoops):
     known: tuple[PrintedLine, ...]  # entries of its pose that the solution uses, in variables and parameters
     inverse: InverseKinematics  # of the arm, every branch
     solution: Solution  # the branch of the file, with what is known before it
+
+    @property
+    def surfaces(self) -> list[Expr]:
+        """Of a point that three rods hold, what vanishes on two planes and a sphere; of other loops nothing."""
+        if len(self.loops) == 1:
+            return []
+        x, own = sympy.Matrix([joint.variable for joint in self.inverse.robot.joints]), [y.symbol for y in self.known]
+        given = self.inverse.pose[:3, :].applyfunc(lambda s: s if s in own else sympy.S.Zero)
+        planes = [given[:, k].dot(x) + given[k, 3] for k in (0, 1)]
+        return [*planes, x.dot(x) + 2 * given[:, 2].dot(x) + given[2, 3]]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -160,10 +172,14 @@ def find_closure(model: KinematicModel) -> Closure:
         common = reduce(lambda p, q: p.gcd(q), (p.raw for p in moving.first.values()), moving.determinant.raw)
         factors = sympy.Mul.make_args(_contracted(domain, domain.ring.wrap(moving.determinant.raw / common)))
         zeros = tuple(f.as_base_exp()[0] for f in factors if not variables.isdisjoint(f.free_symbols))
+        if len(one.loops) > 1 and sum(map(sympy.count_ops, zeros)) > _LONG:
+            columns, _ = twists(robot, one, domain)
+            entries = [[_contracted(domain, columns[p][row]) for p in one.passive] for row in one.rows]
+            zeros = (sympy.Determinant(sympy.ImmutableMatrix(entries)),)
         joined = JoinedLoops(one.loops, zeros, tuple(both), quotient)
+        rods = [loop.length for loop in one.loops if loop.by is Joining.DISTANCE]
+        own = PolynomialDomain(robot, [*rods, *(Power(length, -1) for length in rods)], rates=False)
         if not isinstance(one, SolvedLoop):
-            rods = [loop.length for loop in one.loops if loop.by is Joining.DISTANCE]
-            own = PolynomialDomain(robot, [*rods, *(Power(length, -1) for length in rods)], rates=False)
             rows, _ = openings(robot, one, own)
             # Of a rod L^2 - |p_A - p_B|^2, twice the row of its velocity.
             scales = [2 if one.loops[row // 6].by is Joining.DISTANCE else 1 for row in one.rows]
@@ -174,9 +190,14 @@ def find_closure(model: KinematicModel) -> Closure:
             continue
         inverse = InverseKinematics(one.graph, one.circuit.arm, model.style)
         used = sympy.Tuple(*inverse.expressions).free_symbols
-        entries = chain(*one.circuit.pose(domain).rows(domain.ring.zero, domain.ring.one))
-        pose = [pair for pair in zip(inverse.pose[:3, :], entries, strict=False) if pair[0] in used]
-        known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(entry))) for symbol, entry in pose)
+        is_point = len(one.loops) > 1
+        ring = (exact := own if is_point else domain).ring
+        pose = zip(inverse.pose[:3, :], chain(*one.circuit.pose(exact).rows(ring.zero, ring.one)), strict=False)
+        values = {symbol: entry for symbol, entry in pose if symbol in used}
+        if is_point:
+            known = tuple(PrintedLine(symbol, _contracted(own, entry)) for symbol, entry in values.items())
+        else:
+            known = tuple(PrintedLine(symbol, TR10i(model.form.kinematic(e))) for symbol, e in values.items())
         solution = _branch(robot, loops[: k + 1], inverse, known)
         inverse.conditions = ()  # a loop that closes meets them
         found.append(LoopClosure(**vars(joined), known=known, inverse=inverse, solution=solution))

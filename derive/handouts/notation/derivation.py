@@ -87,7 +87,8 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
     if found.conditions:
         lines.append(f"a pose can be reached only if {', '.join(_equation(c, write) for c in found.conditions)}")
     if found.definitions:
-        lines += ["", "pose within the arm, without base, tool and offsets at both ends:"]
+        within = "pose within the arm, without base, tool and offsets at both ends"
+        lines += ["", f"{'the line along both planes' if found.is_point else within}:"]
         lines += [f"   {formula(line, write)}" for line in found.definitions]
     totals = {name: f" = {write(total)}" for total, name in found.sums.items()}
     for number, step in enumerate(found.steps, 1):
@@ -105,7 +106,8 @@ def derivation_text(found: InverseKinematics, write: Print) -> list[str]:
             shown = " and ".join(_equation(equation, write) for equation in step.instead[0])
             lines.append(f"   {where}, solved by {shown} instead, {_sources(found.robot, step.instead[0])}")
         elif step.fails:
-            lines.append(f"   arbitrary {where}")
+            # of three rods the line may go across, and its points are elsewhere on it
+            lines.append(f"   {'not determined so' if found.is_point else 'arbitrary'} {where}")
     return lines
 
 
@@ -187,6 +189,8 @@ def _place(robot: Robot, origin: Origin) -> tuple[str, str]:
         case OriginForm.DISTANCE:
             return f"between {axes}", "squared distance"
         case OriginForm.ROD:
+            if origin.last > origin.first:
+                return "between the ends of the rods", "squared distances"
             return "between the ends of the rod", "squared distance"
         case OriginForm.DIRECTIONS:
             return f"of the rotation between {axes}", f"entry {places[0]}"

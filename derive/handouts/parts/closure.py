@@ -1,8 +1,10 @@
 """Closed loops, on a sheet and as lines: their passive joints by elementary equations, and how fast these move."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any
+
+import sympy
 
 from derive.errors import listed
 from derive.handouts.layout.quantity import Item
@@ -16,6 +18,7 @@ from derive.handouts.parts.inverse_words import and_list
 from derive.handouts.parts.table import end_lines, table_rows, tool_of
 from derive.handouts.sheet.context import Context, formula
 from derive.handouts.sheet.document import Block, Rows
+from derive.inverse.words.elementary import PrintedLine
 from derive.model.closure import Closure, IteratedClosure, JoinedLoops, LoopClosure
 from derive.model.entries import ModelEntries, expanded_terms
 from derive.model.model import Model
@@ -50,31 +53,37 @@ def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
     own = Context(entries, context.options, context.text, context.version, None, context.policy, context, name)
     part = InversePart(own, one.inverse)
     writer = part.writer
-    yield context.paragraph(
-        "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`). The unknown joints of the loop are a serial arm, "
-        "whose joints and frames are counted from 1 here, with this table in the modified convention:",
-        first=one.loops[0].join[0],
-        second=one.loops[0].join[1],
-        by=one.loops[0].by.value,
-    )
-    yield from table_rows(own)
-    if one.loops[0].by is Joining.DISTANCE:
-        yield context.paragraph("Its first link is the rod, which may have any direction.")
-    yield from own.announced("Before the first of them and behind the last:", end_lines(own, tool=tool_of(name)))
-    pose = own.symbols.of_end("T").tex
-    yield context.paragraph("The variables determine these entries of its pose $%(pose)s$:", pose=pose)
+    if one.surfaces:
+        yield from _joined(context, one)
+        yield context.paragraph("The point that the rods hold is on two planes and a sphere:")
+        lines = (PrintedLine(e, sympy.S.Zero) for e in one.surfaces)
+        yield Rows(tuple(row for line in lines for row in writer.rows(line)))
+        yield context.paragraph("The variables determine these numbers of them:")
+    else:
+        yield context.paragraph(
+            "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`). The unknown joints of the loop are a serial "
+            "arm, whose joints and frames are counted from 1 here, with this table in the modified convention:",
+            first=one.loops[0].join[0],
+            second=one.loops[0].join[1],
+            by=one.loops[0].by.value,
+        )
+        yield from table_rows(own)
+        if one.loops[0].by is Joining.DISTANCE:
+            yield context.paragraph("Its first link is the rod, which may have any direction.")
+        yield from own.announced("Before the first of them and behind the last:", end_lines(own, tool=tool_of(name)))
+        pose = own.symbols.of_end("T").tex
+        yield context.paragraph("The variables determine these entries of its pose $%(pose)s$:", pose=pose)
     yield Rows(tuple(row for line in one.known for row in writer.rows(line)))
     yield part.number_of_solutions()
     yield from part.decoupled()
     yield from part.derived()
-    lines = zip(one.solution.lines[len(one.known) :], one.inverse.named_lines, strict=True)
-    chosen = tuple(row for line, each in lines if each.signs for row in writer.rows(line))
+    pairs = zip(one.solution.lines[len(one.known) :], one.inverse.named_lines, strict=True)
+    chosen = tuple(row for line, each in pairs if each.signs for row in writer.rows(line))
     yield from context.announced("The robot file chooses this assembly:", chosen)
     yield from _dead_points(context, one)
 
 
-def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
-    """Loops without formulas: what remains of them."""
+def _joined(context: Context, one: JoinedLoops) -> Iterator[Block]:
     for loop in one.loops:
         yield context.paragraph(
             "Rows `%(first)s` and `%(second)s` are joined (`by: %(by)s`).",
@@ -82,6 +91,11 @@ def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
             second=loop.join[1],
             by=loop.by.value,
         )
+
+
+def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
+    """Loops without formulas: what remains of them."""
+    yield from _joined(context, one)
     yield context.paragraph(
         "No elementary equations one after the other give %(names)s. These closure equations remain; they are solved "
         "numerically, by Newton's method from the last configuration.",
@@ -94,8 +108,17 @@ def _iterated(context: Context, one: IteratedClosure) -> Iterator[Block]:
 
 def _dead_points(context: Context, one: JoinedLoops) -> Iterator[Block]:
     if one.zeros:
-        where = and_list(context.text, [f"${context.printer.latex(zero)} = 0$" for zero in one.zeros], either=True)
+        write = context.printer.latex
+        zeros = [_written(zero, write, "\\begin{vmatrix} %s \\end{vmatrix}", " & ", r" \\ ") for zero in one.zeros]
+        where = and_list(context.text, [f"${zero} = 0$" for zero in zeros], either=True)
         yield context.paragraph("$G$ and $H$ have no values where %(zeros)s.", zeros=where)
+
+
+def _written(zero: Any, write: Callable[[Any], str], form: str = "det([[%s]])", *between: str) -> str:
+    if not isinstance(zero, sympy.Determinant):
+        return write(zero)
+    beside, below = between or (", ", "], [")
+    return form % below.join(beside.join(map(write, row)) for row in zero.arg.tolist())
 
 
 def _derivatives(context: Context, loops: Sequence[JoinedLoops]) -> Iterator[Block]:
@@ -137,13 +160,17 @@ def closure_lines(found: Closure, form: str, notation: Notation) -> list[str]:
             write = SignPrinter(found.robot, names, pose_names(arm)).doprint
             own = zip(one.solution.lines[len(one.known) :], arm.named_lines, strict=True)
             _, *table, _ = repr(arm.robot).splitlines()
-            if one.loops[0].by is Joining.DISTANCE:
+            words = ["the unknown joints are an arm (modified convention)", "of whose pose T these are known"]
+            if one.surfaces:
+                table = [f"{write(e)} = 0" for e in one.surfaces]
+                words = ["the point is on two planes and a sphere", "of which these are known"]
+            elif one.loops[0].by is Joining.DISTANCE:
                 table.append("its first link is the rod, in any direction")
             if arm.robot.tool != IDENTITY:
                 table.append(f"tool at {listed(to_text(row[3]) for row in arm.robot.tool[:3])}")
             lines += [
-                *(f"{join}; the unknown joints are an arm (modified convention)", *(f"   {row}" for row in table)),
-                *("", "of whose pose T these are known:"),
+                *(f"{join}; {words[0]}", *(f"   {row}" for row in table)),
+                *("", f"{words[1]}:"),
                 *(f"   {derivation.formula(line, write)}" for line in one.known),
                 *("", *derivation.derivation_text(arm, write), ""),
                 *(f"branch of the file: {derivation.formula(line, write)}" for line, each in own if each.signs),
@@ -169,14 +196,15 @@ def closure_parts(found: Closure) -> list[dict[str, Any]]:
     write = PlainPrinter().doprint
     parts: list[dict[str, Any]] = []
     for one in found.loops:
-        zeros = {"no_value_where_zero": list(map(write, one.zeros))}
+        zeros = {"no_value_where_zero": [_written(zero, write) for zero in one.zeros]}
+        loops = {"loops": [{"join": list(loop.join), "by": loop.by.value} for loop in one.loops]}
         if isinstance(one, IteratedClosure):
-            joined = [{"join": list(loop.join), "by": loop.by.value} for loop in one.loops]
             equations = {"solved": "numerically", "zero": list(map(write, one.equations))}
-            parts.append({"loops": joined, **zeros, "passive": list(one.passive), **equations})
+            parts.append({**loops, **zeros, "passive": list(one.passive), **equations})
             continue
         parts.append(
-            {"join": list(one.loops[0].join), "by": one.loops[0].by.value, **zeros}
+            (loops if one.surfaces else {"join": list(one.loops[0].join), "by": one.loops[0].by.value})
+            | {**zeros, **({"zero": list(map(write, one.surfaces))} if one.surfaces else {})}
             | {"branch": {str(sign): choice for sign, choice in one.solution.signs.items()}}
             | {"known": {write(line.symbol): write(line.value) for line in one.known}}
             | derivation.derivation_parts(one.inverse)
@@ -201,5 +229,5 @@ def loop_remarks(model: Model, shown: Sequence[tuple[str, Any]], address: str) -
 
 def undefined(loops: Sequence[JoinedLoops]) -> str:
     """Where the derivatives do not exist."""
-    zeros = [f"{PlainPrinter().doprint(zero)} = 0" for one in loops for zero in one.zeros]
+    zeros = [f"{_written(zero, PlainPrinter().doprint)} = 0" for one in loops for zero in one.zeros]
     return f"no value where {' or '.join(zeros)}" if zeros else "values wherever the loops close"

@@ -201,7 +201,9 @@ class InversePart:
             if wrist:
                 yield Paragraph(_("Here the wrist centre is the origin $%(p)s$ of the end effector.", p=bold("p").tex))
             return
-        if wrist and len({line.symbol for line in found.definitions}) <= 3:
+        if found.is_point:
+            words, task = _("The line along both planes:"), _("Find the line along both planes.")
+        elif wrist and len({line.symbol for line in found.definitions}) <= 3:
             words, task = _("The wrist centre:"), _("Find the wrist centre from the pose.")
             if found.robot.joints[0].d != ZERO:
                 words = _("Wrist centre relative to frame 0, moved by the constant offset of joint 1:")
@@ -307,6 +309,9 @@ class InversePart:
                 equations=and_list(_, [f"${self._tex(e.left)} = {self._tex(e.right)}$" for e in step.instead[0]]),
                 source=sources(self.context, step.instead[0]),
             )
+            return
+        if self.found.is_point:
+            yield _("Where %(zeros)s, this does not determine %(unknown)s.", zeros=where, unknown=unknown)
             return
         yield _(
             "Where %(zeros)s, %(unknown)s is free: there are infinitely many solutions.", zeros=where, unknown=unknown

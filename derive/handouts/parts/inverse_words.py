@@ -64,6 +64,8 @@ def _phrase(context: Context, form: OriginForm, matrix: str, origins: Sequence[O
         case OriginForm.DISTANCE:
             return _("the squared distance between axes %(first)s and %(last)s", **given)
         case OriginForm.ROD:
+            if origins[0].last > origins[0].first:
+                return _("the squared distances between the ends of the rods")
             return _("the squared distance between the ends of the rod")
         case OriginForm.DIRECTIONS:
             return _("entry %(entries)s of the rotation between axes %(first)s and %(last)s", **given)

@@ -6,7 +6,7 @@ Rows of several loops that are solved together stand one below the other, six fo
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any
@@ -22,7 +22,7 @@ from derive.mechanics.vectors import Frame, S, Vector, add, column, cross, dot, 
 from derive.robot import tree
 from derive.robot.description import Joining, Loop, coupling
 from derive.robot.evaluate import parameter_values, to_float
-from derive.robot.expression import Expression, Name, Power
+from derive.robot.expression import ZERO, Expression, Name, Power
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
 
@@ -108,6 +108,17 @@ def gaps(robot: Robot, loop: Loop, domain: Domain[S]) -> Vector[S]:
     """The way between the origins of the joined frames, zero where they are one."""
     _, _, (one, other) = _frames(robot, loop, domain)
     return subtract(one.position, other.position)
+
+
+def slides(robot: Robot, loop: Loop, domain: Domain[S], places: Sequence[int]) -> tuple[Vector[S], list[Vector[S]]]:
+    """The way between the origins of the joined frames where some slides are at zero, and how it changes with each."""
+    _, frames, (one, other) = _frames(robot, loop, domain)
+    way, ways = subtract(one.position, other.position), list[Vector[S]]()
+    for k in places:
+        joint, (first, _) = replace(robot.joints[k], d=ZERO), tree.around(robot, loop)
+        ways.append(scale(joint.sign if k in first else -joint.sign, column(frames[k].rotation, 2)))
+        way = subtract(way, scale(domain.joint_offset(k, replace(joint, sign=1)), ways[-1]))
+    return way, ways
 
 
 def twists(robot: Robot, one: Closing, domain: Domain[S]) -> tuple[dict[int, Twist], list[Twist]]:

@@ -29,14 +29,26 @@ from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
 from derive.inverse.loops.circuit import Circuit, circuit
-from derive.inverse.loops.closing import OPEN, SAMPLES, Array, Closing, Twist, are_opposed, gaps, reach, refused, twists
+from derive.inverse.loops.closing import (
+    OPEN,
+    SAMPLES,
+    Array,
+    Closing,
+    Twist,
+    are_opposed,
+    gaps,
+    reach,
+    refused,
+    slides,
+    twists,
+)
 from derive.inverse.loops.iterated import STEP, IteratedLoops, iterated
-from derive.inverse.loops.rod import rod_graph
+from derive.inverse.loops.rod import ThreeRods, point_graph, rod_graph
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain
 from derive.mechanics.floats import ArrayDomain
-from derive.mechanics.vectors import dot
+from derive.mechanics.vectors import cross, dot
 from derive.robot import tree
 from derive.robot.description import Joining, Loop, coupling, derivatives, second_derivative
 from derive.robot.evaluate import parameter_values, to_float
@@ -55,7 +67,7 @@ _RANK = 1e-7  # singular values below this part of the largest are rounding
 class SolvedLoop(Closing):
     """A loop with formulas of the positions of its passive joints."""
 
-    circuit: Circuit
+    circuit: Circuit | ThreeRods
     graph: SolutionGraph  # of the circuit's arm
     leaf: int  # which of its leaves is the branch that the file asks for
 
@@ -93,8 +105,9 @@ def linkage(robot: Robot) -> tuple[Closing, ...]:
         one: Closing | QuantityError | None = waiting[0][1] if waiting else _solved(robot, loop, known)
         if isinstance(one, QuantityError):
             waiting.append((loop, one))
-            bare = tree.bare(robot)
-            one = iterated(bare, [each for each, _ in waiting], known, _Before(bare, tuple(found)))
+            bare, together = tree.bare(robot), [each for each, _ in waiting]
+            one = _of_point(robot, together, found)
+            one = one or iterated(bare, together, known, _Before(bare, tuple(found)))
         if one is not None:
             waiting.clear()
             found.append(one)
@@ -141,14 +154,47 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | Qua
         why = graph.why_not or "an equation of higher degree remains"
         allowed = "allowed: loops whose passive joints follow from elementary equations one after the other"
         return refused(robot, loop, f"no closed form: {why}", allowed, "close loops with fewer passive joints first")
+    return SolvedLoop(loops=(loop,), passive=passive, circuit=own, graph=graph, leaf=_leaf(robot, loop, graph))
+
+
+def _leaf(robot: Robot, loop: Loop, graph: SolutionGraph) -> int:
     branches = [node.formulas[0].branches for node in graph.nodes if node.formulas[0].branches > 1]
     signs = loop.branch or "+" * len(branches)
     if len(signs) != len(branches) or any(count != 2 for count in branches):
         count = len(branches)
         allowed = f"allowed: {f'a sign for each of {count} choices' if count > 1 else 'one sign for 1 choice'}"
         raise refused(robot, loop, f"branch {quoted(loop.branch)}", allowed if branches else "allowed: none")
-    leaf = int("0" + signs.replace("+", "0").replace("-", "1"), 2)
-    return SolvedLoop(loops=(loop,), passive=passive, circuit=own, graph=graph, leaf=leaf)
+    return int("0" + signs.replace("+", "0").replace("-", "1"), 2)
+
+
+def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) -> SolvedLoop | None:
+    """Three rods to a point that three slides at right angles move; None of other loops."""
+    around = [{k for way in tree.around(robot, loop) for k in way if robot.joints[k].follows} for loop in loops]
+    passive = sorted({k for own in around for k in own} - {k for one in before for k in one.passive})
+    if len(loops) != 3 or len(passive) != 3 or any(loop.by is not Joining.DISTANCE for loop in loops):
+        return None
+    if any(robot.joints[k].is_revolute for k in passive) or any(not own.issuperset(passive) for own in around):
+        return None
+    lengths = [loop.length for loop in loops]
+    exact = PolynomialDomain(robot, lengths, rates=False)
+    for loop in loops:
+        _, ways = slides(robot, loop, exact, passive)
+        if any(dot(u, v) != exact.number(int(u is v)) for u in ways for v in ways):
+            return None
+    # The coordinate along which the line of the points goes most is found first, and divides the others.
+    values, _, full, _ = assembled(robot, before)
+    own = ThreeRods(robot, tuple(loops), tuple(passive))
+    n, m, _ = zip(*own.pose(ArrayDomain(robot, full, values)).rotation, strict=True)
+    along = [float(np.median(np.abs(x))) for x in cross(n, m)]
+    own = replace(own, places=tuple(sorted(passive, key=lambda k: along[passive.index(k)])))
+    zero, one = exact.ring.zero, exact.ring.one
+    graph = point_graph(own.arm, [[not x for x in row] for row in own.pose(exact).rows(zero, one)[:3]])
+    signs = {loop.branch for loop in loops if loop.branch}
+    chosen = next((loop for loop in loops if loop.branch), loops[-1])
+    if len(signs) > 1:
+        raise refused(robot, chosen, f"branches {listed(sorted(signs))} of rods together", "allowed: one of them")
+    leaf = _leaf(robot, chosen, graph)
+    return SolvedLoop(loops=own.loops, passive=tuple(passive), circuit=own, graph=graph, leaf=leaf)
 
 
 def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
@@ -256,7 +302,7 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
             float(last.searched(numbers)[2].min()) + _TINY,
         )
     if last.loop.by is Joining.DISTANCE:
-        missing = float(np.abs(_stretch(robot, last.loop, full, values)).min()) + _TINY
+        missing = float(_stretch(robot, last, full, values).min()) + _TINY
         return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
     frame = last.circuit.pose(ArrayDomain(robot, full, values))
     entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
@@ -267,10 +313,11 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
     return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
 
 
-def _stretch(robot: Robot, loop: Loop, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
-    """By how much the way between the ends of a rod is longer than it is [m]."""
-    way = gaps(robot, loop, ArrayDomain(robot, full, values))
-    return np.asarray(np.sqrt(dot(way, way)) - to_float(loop.length, values))
+def _stretch(robot: Robot, one: Closing, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
+    """By how much the way between the ends of a rod is longer or shorter than it is, the most of several [m]."""
+    ways = [(gaps(robot, loop, ArrayDomain(robot, full, values)), loop.length) for loop in one.loops]
+    stretched = [np.abs(np.sqrt(dot(way, way)) - to_float(length, values)) for way, length in ways]
+    return np.asarray(np.max(stretched, axis=0))
 
 
 def positions(
@@ -297,7 +344,7 @@ def positions(
             if place in one.passive:
                 full[place] = np.broadcast_to(angle, shape)
         if one.loop.by is Joining.DISTANCE:  # no entry of a pose
-            missing = np.maximum(missing, np.abs(_stretch(robot, one.loop, full, values)))
+            missing = np.maximum(missing, _stretch(robot, one, full, values))
     return full, missing < OPEN
 
 

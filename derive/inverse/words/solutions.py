@@ -158,6 +158,11 @@ class InverseKinematics:
         return sympy.ImmutableMatrix([*[[self._pose[i, j] for j in (1, 2, 3, 4)] for i in (1, 2, 3)], [0, 0, 0, 1]])
 
     @property
+    def is_point(self) -> bool:
+        """Whether it is a point that three rods hold, on the line along two planes."""
+        return bool(self.definitions) and not self.graph.task
+
+    @property
     def degenerate(self) -> tuple[Degenerate, ...]:
         """Where an unknown is free."""
         return tuple(Degenerate(step.unknown, step.free) for step in self.steps if step.free)
@@ -182,6 +187,8 @@ class InverseKinematics:
             unnamed.append(Solution("", chosen, own, joints))
         if len(unnamed) == 1:
             return tuple(unnamed)
+        if self.is_point:  # no pose of an arm would say on which side its branches are
+            return tuple(replace(branch, name=f"#{k}") for k, branch in enumerate(unnamed, 1))
         found = postures(self.robot, self.graph)
         q = dict(zip(self._variables, found.q, strict=True))
         values = self.values_at({sympy.Symbol(k): float(x) for k, x in found.parameters.items()}, q, ArrayDomain)
