@@ -375,7 +375,11 @@ class Reached:
                     break
                 # numbers are faster than arrays of one
                 found = close(at, found[:, :-1]) if len(at) > 1 else close(at[0], found[0, :-1])[None]
-            far = (np.abs(found[:, :-1] - start) > STEP * np.array(own)).any(axis=-1)
+            way = found[:, :-1] - start
+            # angles of formulas jump by full turns
+            turns = [joint.is_revolute for joint in self._robot.passive]
+            way = np.where(turns, np.arctan2(np.sin(way), np.cos(way)), way)
+            far = (np.abs(way) > STEP * np.array(own)).any(axis=-1)
             found[far | ~(found[:, -1] < OPEN), :-1] = np.nan
             return found
 

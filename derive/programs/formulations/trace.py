@@ -355,9 +355,12 @@ def passive_joints(robot: Robot, graph: Graph) -> Passive:
         slopes: dict[Expression, Value] = {name: numerator / determinant for name, numerator in numerators}
         found = replace(found, slopes={**found.slopes, **slopes})
         domain, biases = TapeDomain(robot, graph, passive=found), dict[int, Value]()
+        known = found
+        if found.is_given:  # those of loops behind have no slopes yet
+            known = replace(found, numbers={p: found.numbers[p] for p in (*found.biases, *one.passive)})
         for p in one.passive:
             names, own = zip(*robot.joints[p].follows, strict=True)
-            moved = derivative([found.slopes[slope] for slope in own], rates(robot, found, domain))
+            moved = derivative([found.slopes[slope] for slope in own], rates(robot, known, domain))
             shares = (domain.variable(QD, variables.index(name)) for name in names)
             biases[p] = sum((a * b for a, b in zip(moved, shares, strict=True)), domain.number(0))
         found = replace(found, biases={**found.biases, **biases})

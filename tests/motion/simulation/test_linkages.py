@@ -101,3 +101,18 @@ def test_loops_without_formulas_end_with_time_and_with_what_is_missing(tmp_path:
     run = motion.simulate()
     assert "dead point of a loop after" in diverged(motion, run)
     assert run.energy_error < 1e-8
+
+
+def test_a_loop_with_formulas_that_turns_through_goes_with_one_without(tmp_path: Path) -> None:
+    rows = (
+        "  - {type: revolute, name: coupler, after: crank, q: q6, a: 0.45, passive: true}\n"
+        "  - {type: fixed, name: stand, after: base, a: 0.3, theta: 3}\n"
+        "  - {type: revolute, name: rocker, q: q7, a: 0.4, passive: true}\n"
+        "loops:\n  - {join: [coupler, rocker], by: revolute}\n"
+    )
+    (tmp_path / "both.yaml").write_text(PLATE.replace("loops:\n", rows))
+    plan = f"robot: {tmp_path / 'both.yaml'}\npoints: {{a: [0], b: [13]}}\npath: [a, {{to: b, time: 5}}]\n"
+    q1, *_, q6, q7 = samples(Motion.from_text(plan))[1].T[[1, 4, 5, 6, 7, 8, 9]]
+    pins = 0.1 * np.exp(1j * q1) + 0.45 * np.exp(1j * (q1 + q6)) - 0.3 * np.exp(3j) - 0.4 * np.exp(1j * (3 + q7))
+    assert np.abs(pins).max() < 1e-9
+    assert np.abs(np.diff(q6)).max() > 6  # the angle of a formula is within half a turn
