@@ -175,8 +175,7 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
         return None
     if any(robot.joints[k].is_revolute for k in passive) or any(not own.issuperset(passive) for own in around):
         return None
-    lengths = [loop.length for loop in loops]
-    exact = PolynomialDomain(robot, lengths, rates=False)
+    exact = PolynomialDomain(robot, [loop.length for loop in loops], rates=False)
     for loop in loops:
         _, ways = slides(robot, loop, exact, passive)
         if any(dot(u, v) != exact.number(int(u is v)) for u in ways for v in ways):
@@ -187,8 +186,8 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
     n, m, _ = zip(*own.pose(ArrayDomain(robot, full, values)).rotation, strict=True)
     along = [float(np.median(np.abs(x))) for x in cross(n, m)]
     own = replace(own, places=tuple(sorted(passive, key=lambda k: along[passive.index(k)])))
-    zero, one = exact.ring.zero, exact.ring.one
-    graph = point_graph(own.arm, [[not x for x in row] for row in own.pose(exact).rows(zero, one)[:3]])
+    known = own.pose(exact).rows(exact.ring.zero, exact.ring.one)[:3]
+    graph = point_graph(own.arm, [[not x for x in row] for row in known])
     signs = {loop.branch for loop in loops if loop.branch}
     chosen = next((loop for loop in loops if loop.branch), loops[-1])
     if len(signs) > 1:
@@ -360,9 +359,8 @@ class Reached:
         They begin from the nearest configuration that is known, to which others are added on the way.
         """
         rows, whole = q.reshape(-1, q.shape[-1]), reach(self._robot, values)
-        unit, own = (
-            [1.0 if x.is_revolute else whole for x in part] for part in (self._robot.variables, self._robot.passive)
-        )
+        unit = [1.0 if x.is_revolute else whole for x in self._robot.variables]
+        own = [1.0 if x.is_revolute else whole for x in self._robot.passive]
         if not len(self._q):
             full, _ = positions(self._robot, linkage(self._robot), list(rows[:1].T), values)
             start = [full[k] for k, joint in enumerate(self._robot.joints) if joint.follows]
@@ -377,9 +375,8 @@ class Reached:
                 found = close(at, found[:, :-1]) if len(at) > 1 else close(at[0], found[0, :-1])[None]
             way = found[:, :-1] - start
             # angles of formulas jump by full turns
-            turns = [joint.is_revolute for joint in self._robot.passive]
-            way = np.where(turns, np.arctan2(np.sin(way), np.cos(way)), way)
-            far = (np.abs(way) > STEP * np.array(own)).any(axis=-1)
+            way = np.where([x.is_revolute for x in self._robot.passive], np.arctan2(np.sin(way), np.cos(way)), way)
+            far = (np.abs(way / own) > STEP).any(axis=-1)
             found[far | ~(found[:, -1] < OPEN), :-1] = np.nan
             return found
 
@@ -398,9 +395,8 @@ class Reached:
                     if np.isnan(passive := _closed(here[None], passive[None])[0, :-1]).any():
                         break
                     self._q, self._passive = np.vstack([self._q, here]), np.vstack([self._passive, passive])
-            found = _closed(at, self._passive[nearest])
-            found[way > _NEAR, :-1] = np.nan
-            answers.append(found)
+            answers.append(_closed(at, self._passive[nearest]))
+            answers[-1][way > _NEAR, :-1] = np.nan
         return np.concatenate(answers).reshape(*q.shape[:-1], -1)
 
 
