@@ -10,8 +10,10 @@ from derive.errors import DeriveError, listed
 from derive.exchange.certificate import ball
 from derive.exchange.numeric import text
 from derive.exchange.reading.elements import free_name
+from derive.mechanics.floats import ArrayDomain
 from derive.mechanics.space import NOTHING, Real
 from derive.robot.description import End, Joining, Joint, coupling
+from derive.robot.evaluate import to_float
 from derive.robot.expression import Name
 from derive.robot.robot import Robot
 from derive.robot.tree import ends
@@ -26,6 +28,7 @@ class Joined:
     ends: tuple[str, str]  # the ends that stand for them
     by: Joining
     way: int  # along which of the first one's z axis that of the second points: 1, or -1 where they are opposed
+    stretch: float  # of a rod, by how much it is longer than the way between them where all joints are at zero [m]
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,10 +43,6 @@ class Ties:
 
 
 NONE = Ties({}, {})
-_UNKNOWN = {  # what other programs do not join by, and what to write instead
-    Joining.PRISMATIC: ("slide", "a row of the table, and close by: fixed"),
-    Joining.DISTANCE: ("rod", "rows of the table, and close by: spherical"),
-}
 
 
 def untied(robot: Robot) -> tuple[Robot, Ties]:
@@ -83,24 +82,25 @@ def _alone(robot: Robot, joint: Joint) -> Joint:
 
 def _open(robot: Robot, bare: Robot, ties: Ties) -> tuple[Robot, Ties]:
     """With its loops open: an end stands for each of the frames that they join."""
-    from derive.inverse.loops.closing import are_opposed
+    from derive.inverse.loops.closing import are_opposed, gaps
     from derive.inverse.loops.linkage import assembled, linkage
 
     loops, more = [], []
+    values, q, full, _ = assembled(robot, linkage(robot))
+    rest = ArrayDomain(robot, [np.zeros(1)] * robot.n, values)
     for k, loop in enumerate(robot.loops, 1):
-        by, remedy = _UNKNOWN.get(loop.by, ("", ""))
-        if remedy:
+        if loop.by is Joining.PRISMATIC:
             raise DeriveError(
-                f"the loop of {robot.name} that joins {listed(loop.join)} by a {by}",
-                allowed="allowed in other programs: revolute, spherical and fixed",
-                remedy=f"write the {by} as {remedy}",
+                f"the loop of {robot.name} that joins {listed(loop.join)} by a slide",
+                allowed="allowed in other programs: revolute, spherical, distance and fixed",
+                remedy="write the slide as a row of the table, and close by: fixed",
                 location=loop.location,
             )
         first, second = (free_name(f"loop{k}_{side}", [end.name for end in robot.ends]) for side in ("first", "second"))
         is_opposed = loop.by is Joining.REVOLUTE and are_opposed(robot, loop)
-        loops.append(Joined((first, second), loop.by, -1 if is_opposed else 1))
+        stretch = to_float(loop.length, values) - float(np.linalg.norm(gaps(robot, loop, rest)))
+        loops.append(Joined((first, second), loop.by, -1 if is_opposed else 1, stretch))
         more += [End(first, loop.join[0]), End(second, loop.join[1])]
-    _, q, full, _ = assembled(robot, linkage(robot))
     nearest = int(np.argmin(sum(np.square(x) for x in q)))
     closed = tuple(float(x[nearest]) for x in full)
     whole = tuple(replace(end, name=end.name or "tool") for end in ends(bare))

@@ -214,11 +214,12 @@ def _equations(arm: BodyChain, order: Sequence[str]) -> dict[str, Any]:
     return {
         "pairs": {label: total[0] for label, total in sums.items() if len(total) == 1},
         "sums": {label: total for label, total in sums.items() if len(total) > 1},
+        "held": [(*loop.ends, repr(loop.stretch)) for loop in arm.ties.loops if loop.by is Joining.DISTANCE],
         "welds": [loop.ends for loop in arm.ties.loops if loop.by is Joining.FIXED],
         "connects": [
             [end + part for end in loop.ends]
             for loop in arm.ties.loops
-            if loop.by is not Joining.FIXED
+            if loop.by not in (Joining.FIXED, Joining.DISTANCE)
             for part in ("", AXIS)[: 1 + (loop.by is Joining.REVOLUTE)]  # a pin holds a second point of its axis too
         ],
         "closed": " ".join([*free, *(repr(positions[name]) for name in order)]) if positions else "",
