@@ -77,6 +77,12 @@ def check_latex(
         if gain > 0 >= less:
             check, findings = other
             check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
+    if (unshifted := whole.by_angles_of_table(model, text)) and document and _count(findings, right=False):
+        other = read(unshifted, order)
+        gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
+        if gain > 0 >= less:
+            check, findings = other
+            check.scope.readings.append(f"angles are read as the whole cells of the table ({gain} more agree)")
     lone = whole.uncertain_entries(findings, model.n) if document else frozenset()
     check.skipped += (Skipped(f.location, _LONE, f.text) for f in findings if f in lone)
     findings = tuple(finding for finding in findings if finding not in lone)
@@ -223,6 +229,9 @@ class _Check(SideReading):
             if index in self.scope.defining:
                 continue
             if self.scope.torques or any(len(meanings) > 1 for meanings in self.scope.definitions.values()):
+                self.reader = self.scope.reader(index)
+            if self.scope.poses is not None and self.scope.parts:
+                self.scope.poses.named = next((part for i, part in reversed(self.scope.parts) if i <= index), None)
                 self.reader = self.scope.reader(index)
             named = {head: left for begin, head, left in self.scope.namings if begin <= index}
             self.meanings.entries = {h: left for h, left in named.items() if left != Left(h, arguments=left.arguments)}

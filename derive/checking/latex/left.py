@@ -144,6 +144,7 @@ def taken_apart(text: str) -> Left | None:
     dots = marks
     if match := re.match(r"\\(d?)dot", rest):
         dots, rest = dots + 1 + bool(match[1]), rest[match.end() :]
+    rest = re.sub(r"^\{([A-Za-z]_\{[^{}]*\})\}", r"\1", rest) if dots else rest  # \dot{p_{\theta_1}}
     while (match := re.match(r"[{(\[]([^{}()\[\]]*)[)}\]]", rest)) and match[1]:
         if inner := re.match(r"\\(d?)dot", match[1]):
             dots += 1 + bool(inner[1])

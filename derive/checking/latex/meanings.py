@@ -151,8 +151,10 @@ class Meanings:
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
             left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}
-        if left.head in "pP" and left.is_plain and left.sub in self.momenta and self.robot.has_dynamics:
-            found[Target("momentum", (self.momenta[left.sub],))] = None
+        # \dot p of Hamilton's equations is -dH/dq, which has no accelerations
+        is_momentum = left.head in "pP" and replace(left, dots=0).is_plain and left.sub in self.momenta
+        if is_momentum and self.robot.has_dynamics and not (left.dots and "1" in self.momenta):
+            found[Target("momentum", (self.momenta[left.sub],), by=("t",) * left.dots)] = None
         count = len(self._rows) - 1 if self.counts_rows else self.robot.n
         for target in candidates(left, count, self._first, self.reading, tool=self.robot.tool is not None):
             if self.counts_rows:

@@ -127,6 +127,7 @@ class Poses:
         axes = {w: (axis, int(m[3] or m[6])) for (w, m), axis in zip(known, places, strict=True)}
         # row and column of each that the text has, and the poses that may be meant: seen from a frame, or its own
         self._labelled: dict[str, tuple[int, int, tuple[str, str]]] = {}
+        self.named: Matrix | None = None  # whose entries the names of this part of the text are; None for the whole arm
         self.settled: PoseReading | None = None  # what the text as a whole means, once its equations are judged
         last = model.n + (f"x{model.n + 1}" in axes)  # P_3 of two links, the end effector or the last centre of mass
         self._points = {w: at for w, at in axes.items() if at[1] <= last and w not in own_names(model.robot)}
@@ -139,6 +140,8 @@ class Poses:
     def placeholder(self, name: str) -> Expression | None:
         """What stands for a name until its meaning is settled; None where it is no name of a pose."""
         pose, (base, _, frame), n = self._names, name.partition("^"), self._model.n
+        if self.named is not None and name in pose.entries:
+            return expression_from_sympy(self.named[tuple(index - 1 for index in pose.entries[name])])
         if self._letters and (own := re.fullmatch(f"({self._letters})([1-3])([1-3])", name)):
             self._labelled[name] = (int(own[2]), int(own[3]), (f"T[{max(n - WRIST, 0)},{n}]", "T"))
         elif base in pose.entries and frame and int(frame) < n:

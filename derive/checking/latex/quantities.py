@@ -108,7 +108,7 @@ OWN = (
     *(STATICS := tuple(f"statics{kind}{axes}" for kind in ("", "_force", "_moment") for axes in ("", "_end"))),
     *OF_VELOCITIES,
 )
-_OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base")
+_OF_TREES = ("twist", "rates", "accelerations", "centre", "lagrangian", "gravity", "base", "momentum")
 WRENCH = ("F_x", "F_y", "F_z", "M_x", "M_y", "M_z")
 
 

@@ -103,6 +103,8 @@ class Scope:
         self.defining |= orders.keys()
         self._settle_jacobian()
         self.torques = self._torques()
+        # from which equation on n_x ... p_z are entries of which matrix; None for the whole arm
+        self.parts = list(whole.named_parts(self.equations, self.meanings)) if document else []
         self.namings = list(whole.named_entries(self.equations)) if document else []
 
     @cached_property
@@ -403,7 +405,8 @@ class Scope:
                 return left.flat
         if not any(is_scalar(target) for target in self.meanings.targets(left)):
             return left.flat if left.head != "J" else ""
-        is_length = left.flat == "L" and not re.search(r"dot|omega|['KTPUV]", rest)  # of the figure, not the Lagrangian
+        # of the figure, not the Lagrangian, and a short name, not the kinetic energy
+        is_length = left.flat in ("L", "K") and not re.search(r"dot|omega|['KTPUV]|(?<![A-Za-z\\])v", rest)
         is_lent = left.head in _LENT if left.sub else left.flat in "ku" or is_length
         if not is_first or not (is_angle or is_lent):
             return ""

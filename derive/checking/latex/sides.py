@@ -323,7 +323,7 @@ class SideReading(Comparing):
 
     def _branch_of(self, left: Left) -> Expression | None:
         r"""The joint variable in ``\theta_2'``, ``\theta_{2,1}`` or ``q_{3a}``; None of another left side."""
-        match = re.fullmatch(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down)|,[1-8])?", left.sub)
+        match = re.fullmatch(r"(?P<joint>[0-9]+)(?:,?(?:[ab+-]|I{1,3}|IV|up|down|d|des|ref)|,[1-8])?", left.sub)
         is_labelled = match is not None and (left.primes or left.sup or match["joint"] != left.sub)
         if not self.document or match is None or not is_labelled or left.dots:
             return None

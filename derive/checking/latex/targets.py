@@ -224,7 +224,8 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         whole = ((), (1, 2), (1, 2, 3), (1, 2, 6)) if left.dots == 1 and not left.sub else ()
         yield from (Target("J_dot", rows) for rows in whole)
         return
-    sub, sup = re.sub("(?<=[A-Za-z]),", "", left.sub), left.sup or left.before  # J_{v,c_1}
+    # J_{v,c_1} and {}^{T_6}J
+    sub, sup = re.sub("(?<=[A-Za-z]),", "", left.sub), re.sub("^T(?=[0-9]$)", "", left.sup or left.before)
     # Jacobians of a body, J_P^{(l_2)} of a link and J_P^{(m_2)} of a motor, or with one subscript, J_{vc2}
     body = re.fullmatch(r"([lmc]|C|G)?([0-9]+)", sup.strip("*"))
     own = re.fullmatch(r"(v|omega|w|P|O)(l|m|c|C|G)([0-9]+)", sub)
@@ -263,23 +264,23 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield Target(f"J_{sub}")
         rows, columns = ((1, 2, 3) if k == "1" else (4, 5, 6) for k in sub)
         yield from (Target(f"J_at[{k}]", rows, columns) for k in (4, 5) if n == 6)  # of the wrist
-    yield from _jacobian_parts(sub, n, indices)
+    yield from _jacobian_parts(sub, n, indices, names[0])
 
 
-def _jacobian_parts(sub: str, n: int, indices: Indices) -> Iterator[Target]:
+def _jacobian_parts(sub: str, n: int, indices: Indices, name: str) -> Iterator[Target]:
     match = re.fullmatch(r"([A-Za-z]+)([0-9]+)", sub)
     if match and int(match[2]) <= n and match[1] in (*_LINEAR, *_ANGULAR):
         rows, kind = ((1, 2, 3), "v") if match[1] in _LINEAR else ((4, 5, 6), "w")
-        yield from (Target("J", rows, (int(match[2]),)), Target(f"J{kind}_com[{match[2]}]"))
+        yield from (Target(name, rows, (int(match[2]),)), Target(f"J{kind}_com[{match[2]}]"))
     match = re.fullmatch(r"([A-Za-z]+)([1-3])([1-9])", sub)
     if match and int(match[3]) <= n and match[1] in (*_LINEAR, *_ANGULAR):
-        yield Target("J", (int(match[2]) + 3 * (match[1] in _ANGULAR),), (int(match[3]),))
+        yield Target(name, (int(match[2]) + 3 * (match[1] in _ANGULAR),), (int(match[3]),))
     if len(indices) == 1:
-        yield from (Target("J", rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
+        yield from (Target(name, rows, indices) for rows in ((), (1, 2, 3), (1, 2)))
     if len(pair := _indices(sub, max(n, 6))) == 2 and pair[0] <= 6 and pair[1] <= n:
-        yield Target("J", pair[:1], pair[1:])
+        yield Target(name, pair[:1], pair[1:])
         if pair[0] <= 3:  # J_31 of a J_omega
-            yield Target("J", (pair[0] + 3,), pair[1:])
+            yield Target(name, (pair[0] + 3,), pair[1:])
 
 
 _OF_ONE_ANGLE = re.compile(r"[({]+-?\\?(?:var)?(?:theta|phi|q|alpha)_?\{?[1-9]?\}?[)}]+")  # R(\theta_1), a turn
@@ -339,7 +340,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
 
 def _seen_from(left: Left, n: int) -> Iterator[Target]:
     """Centres of mass, and entries of a pose: {}^1P_{C_1}, P_{6x}^0, n_{4z}^1, {}^1p_x of the end effector."""
-    frame = left.sup or left.before or "0"
+    frame, way = left.sup or left.before or "0", re.fullmatch("([0-9]),([0-9])", left.sub)
+    if way and left.head in ("p", "r", "d") and way[1] == frame and left.sup and int(way[1]) < int(way[2]) <= n:
+        yield from (Target(f"T[{frame},{way[2]}]", rows, (4,)) for rows in ((1, 2, 3), (1, 2)))  # r_{1,4}^1
     place, centre = re.fullmatch(r"([1-9]?)([xyz])", left.sub), re.fullmatch(r"[cCGm]([1-9])", left.sub)
     if left.head in ("p", "P", "r", "x", "X") and frame.isdigit() and centre:
         name = f"centre[{centre[1]}]" if frame == "0" else f"centre[{centre[1]},{frame}]"

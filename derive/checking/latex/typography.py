@@ -109,6 +109,18 @@ _POINTED = re.compile(
     r"|(?<=[)}\]\w] )\.(?= (?:\\begin|\\?[A-Z]|\{))"
 )
 _BAR = re.compile(r"\\(?:bar|tilde|overline)\s*(?:\{\s*(?P<in>\\?[A-Za-z]+)\s*\}|(?P<bare>[A-Za-z]))")
+_SCRIPT_L = re.compile(r"\\math(?:scr|cal)\s*(?:\{\s*l\s*\}|\sl(?![A-Za-z]))")  # the Lagrangian in small letters
+# The label of a solution in Roman numbers: \\theta_3^{I,II}, in whatever font.
+_ROMAN = r"(?:I{1,3}|IV|VI{0,3})"
+_SOLUTION = re.compile(
+    rf"(?P<kept>(?:\\(?:var)?theta|(?<![A-Za-z\\])q){_SUB}\s*)\^\s*(?:\\[A-Za-z]+\s*)?"
+    rf"(?P<label>\{{\s*{_ROMAN}(?:\s*,\s*{_ROMAN})*\s*\}})(?P<end>\s*&?\s*=)?"
+)
+# What an angle or a cosine depends on, as in \phi(\theta_1) and c_3^2(\theta_1), which are no products.
+_DEPENDENT = re.compile(
+    rf"(?P<kept>(?:\\(?:(?:var)?phi|psi|alpha|beta|gamma|delta){_SUB}?|(?<![A-Za-z\\])[cs]{_SUB})(?:\^2)?)"
+    rf"\(\s*\\(?:var)?theta{_SUB}\s*\)"
+)
 # A matrix whose rows end with one backslash, as they do where a page has lost every other one.
 _GRID = re.compile(
     r"\\begin\s*\{([bpvB]?matrix|cases)\}(?:(?!\\\\|\\begin|\\end).)*\\\s(?:(?!\\\\|\\begin).)*?\\end\s*\{\1\}",
@@ -134,6 +146,8 @@ def cleaned(text: str, time: bool = True) -> str:
     text = re.sub(r"(?:\\[:;]\s*){2,}(?=[^=\n$]*=)", lambda m: ",".ljust(len(m[0])), text)
     text = _GRID.sub(lambda m: re.sub(r"(?<![\\&])\\ (?!\s*&)", r"\\\\", m[0]), text)
     text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ").replace("\\&", " ,")
+    text = _SCRIPT_L.sub(lambda m: "L".rjust(len(m[0])), text).replace("\\dot{\\partial}", "\\partial\\dot ")
+    text = _DEPENDENT.sub(lambda m: m["kept"].ljust(len(m[0])), _SOLUTION.sub(_of_solution, text))
     text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = re.sub(r"(\\(?:var)?theta) ([1-9])(?![0-9.])", r"\1_\2", text)  # a name, not a product
@@ -197,6 +211,13 @@ def _entry(match: re.Match[str], first: int) -> str:
     frames = match["pair"] or "".join(re.findall(rf"\{mark}\s*\{{?([0-9])", match[0])[0] for mark in "^_")
     row, column = (int(match[name]) + 1 - first for name in ("row", "column"))
     return f"R_{{{frames},{row}{column}".ljust(len(match[0]) - 1) + "}"
+
+
+def _of_solution(match: re.Match[str]) -> str:
+    """A joint variable with the label of a solution where it is what an equation gives, without it in formulas."""
+    is_one = match["end"] and len(re.findall("[0-9]", match["kept"])) == 1  # but theta_{23}
+    label = f"^{match['label']}{match['end']}" if is_one else match["end"] or ""
+    return match["kept"] + label.rjust(match.end() - match.end("kept"))
 
 
 def _times(match: re.Match[str]) -> str:

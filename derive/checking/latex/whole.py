@@ -23,11 +23,11 @@ from derive.checking.latex.names import PRIME, LatexNames
 from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.targets import Target
 from derive.errors import CheckError, Location
-from derive.lecture.sympy_conversion import expression_from_sympy
+from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
 from derive.model.equality import Verdict, compare
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
-from derive.robot.expression import Call, Expression, Name, Sum, add, is_constant, multiply, names
+from derive.robot.expression import ZERO, Call, Expression, Name, Sum, add, is_constant, multiply, names
 from derive.robot.names import joint_label, own_names, velocity_name
 from derive.robot.parser import parse_expression
 from derive.robot.robot import Robot
@@ -115,6 +115,17 @@ def named_entries(equations: Iterable[Sides]) -> Iterator[tuple[int, str, Left]]
                 yield index, head, lefts[0]
 
 
+def named_parts(equations: Sequence[Sides], meanings: Meanings) -> Iterator[tuple[int, Matrix | None]]:
+    r"""Matrices of which n_x ... p_z are the entries from an equation on, where they are so of several in turn."""
+    naming = ((i, e[0]) for i, e in enumerate(equations) if any(map(names_its_columns, e)))
+    named = ((i, left) for i, side in naming if (left := taken_apart(side.text)))
+    found = [(i, target) for i, left in named for target in meanings.targets(left)[:1]]
+    if len({target for _, target in found}) > 1:
+        for i, target in found:
+            right = meanings.right(target) if target.quantity not in ("T", f"T[0,{meanings.robot.n}]") else None
+            yield i, right.value if right and right.value.shape == (4, 4) else None
+
+
 def entry_letters(equations: Iterable[Sides]) -> frozenset[str]:
     """Letters of the author's own for the entries of a rotation: ``R_6^3 = [m_{11} ...]``."""
     known = (heads for lefts, heads in map(_named_cells, equations) if any(left.head in "RTHA" for left in lefts))
@@ -125,6 +136,16 @@ def momenta(text: str, n: int) -> dict[str, int]:
     """Which momentum p_1 is, in a text with Hamilton's equations; none in another one."""
     is_hamiltons = re.search("[Hh]amilton|mathcal *[{]? *H|\u54c8\u5bc6", text)
     return {str(k): k for k in range(1, n + 1)} if is_hamiltons else {}
+
+
+def by_angles_of_table(model: Model, text: str) -> Model | None:
+    r"""A model with theta_2 as the whole cell of the table, where a text with angles theta says q_2 + \pi/2 of it."""
+    robot, cells = model.robot, r"q_\{?(\d)\}?\s*[-+]\s*(?:\\[cdt]?frac\{?)?(?:\\pi|90)"
+    told, moved = {f"q{k}" for k in re.findall(cells, text)}, {j.variable for j in robot.joints if j.theta != ZERO}
+    if robot.is_tree or not told & moved or "\\theta_" not in text:
+        return None
+    joints = (replace(j, theta=ZERO if j.variable in told else j.theta) for j in robot.joints)
+    return Model(replace(robot, joints=tuple(joints)), model.style)
 
 
 # Other ways to count frames, as `Meanings` has them, and what the report says of each.
