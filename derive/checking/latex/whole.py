@@ -119,11 +119,12 @@ def named_parts(equations: Sequence[Sides], meanings: Meanings) -> Iterator[tupl
     r"""Matrices of which n_x ... p_z are the entries from an equation on, where they are so of several in turn."""
     naming = ((i, e[0]) for i, e in enumerate(equations) if any(map(names_its_columns, e)))
     named = ((i, left) for i, side in naming if (left := taken_apart(side.text)))
-    found = [(i, target) for i, left in named for target in meanings.targets(left)[:1]]
-    if len({target for _, target in found}) > 1:
+    found = [(i, target) for i, left in named for target in meanings.targets(left)[:1] if not target.rows]
+    usual = {target for _, target in found if target.quantity in ("T", f"T[0,{meanings.robot.n}]")}
+    if len({target for _, target in found if target not in usual}) + bool(usual) > 1:
         for i, target in found:
-            right = meanings.right(target) if target.quantity not in ("T", f"T[0,{meanings.robot.n}]") else None
-            yield i, right.value if right and right.value.shape == (4, 4) else None
+            right = meanings.right(target) if target not in usual else None
+            yield i, right.value if right else None
 
 
 def entry_letters(equations: Iterable[Sides]) -> frozenset[str]:
