@@ -204,7 +204,8 @@ class SideReading(Comparing):
 
     def _of_unknown(self, index: int, equation: Sides) -> tuple[Finding, ...]:
         """That a formula is right if what no formula explains are torques, a length, an angle, or a constant energy."""
-        several = {name: Name(f"?{name}") for name, formulas in self.scope.definitions.items() if len(formulas) > 1}
+        definitions = ((name, {e for _, e in found}) for name, found in self.scope.definitions.items())
+        several = {n: Name(f"?{n}") for n, found in definitions if len(found - {*filter(is_constant, found)}) > 1}
         left = taken_apart(equation[0].text)
         energy = self.meanings.formula(left, ("potential",)) if left else None
         moves = energy and not self.joints.keys().isdisjoint(names(energy))
