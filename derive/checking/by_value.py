@@ -176,6 +176,13 @@ class ByValue:
         else:
             seen_from[0] = ("0,", "", frames[0])
         yield from self._on_links(frames, points)
+        if robot.joints[0].is_revolute:  # x along the arm, as (r, 0, z), which the first joint turns
+            axes, angle = frames[0][:, :3, :3], self._of_joints(str)[:, :1]
+            along = np.cos(angle) * axes[:, :, :1] + np.sin(angle) * axes[:, :, 1:2]
+            across = np.cross(axes[:, :, 2:], along, axis=1)
+            plane = np.concatenate([along, across, axes[:, :, 2:]], axis=2).swapaxes(1, 2)
+            for name, _, point in points:
+                yield from _vector(f"{name} in the plane of joint 1", plane @ (point - frames[0][:, :3, 3:]))
         turn = np.array(turning(self._model), dtype=float)
         jacobian = self._numbers(self._model.quantity("J")) @ np.linalg.inv(turn)
         rates = self._of_joints(velocity_name)

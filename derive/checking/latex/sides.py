@@ -86,6 +86,9 @@ class SideReading(Comparing):
             return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         tables = [other.value for other in said if isinstance(other.value, Table)]
+        if self.scope.poses:  # [x y z]^T = R p + t
+            pose = self.scope.poses.readings[0].values
+            tables += [table.changed(lambda e: substitute(e, pose)) for table in tables]
         found = self._matrices.values(side.piece)
         with suppress(CheckError):  # entries of an inertia tensor that drop out
             found = chain(self._with_letters(0, (side.piece,), {}, "I.+")[0], found)
