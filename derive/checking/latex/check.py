@@ -68,21 +68,19 @@ def check_latex(
         if (gain := _count(other[1], right=True) - _count(findings, right=True)) > 0:
             order, (check, findings) = True, other
             check.scope.readings.append(f"Atan2 is read with the cosine first ({gain} more formulas agree)")
+    others = list[tuple[str, Model]]()
     turned = AbsoluteModel(model) if document and may_count_from_one_direction(model, text) else None
-    right = (f for f in findings if f.verdict.equal and f.question and f.role is Role.PRINTED)
-    right = (f for f in right if f.quantity.startswith(("T", "A", "p", "J", "B", "g")))
+    right = (f for f in findings if f.verdict.equal and f.question and f.quantity.startswith(("T", "A", "p")))
     if turned and sum(turned.moves(f.right) for f in right) <= _count(findings, right=False):  # those would be wrong
-        other = read(turned, order)
+        others.append(("those of the links from one direction", turned))
+    if document and _count(findings, right=False) and (unshifted := whole.by_angles_of_table(model, text)):
+        others.append(("whole cells of the table", unshifted))
+    for what, its_model in others:
+        other = read(its_model, order)
         gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
         if gain > 0 >= less:
             check, findings = other
-            check.scope.readings.append(f"angles are read as those of the links from one direction ({gain} more agree)")
-    if (unshifted := whole.by_angles_of_table(model, text)) and document and _count(findings, right=False):
-        other = read(unshifted, order)
-        gain, less = (_count(other[1], right=right) - _count(findings, right=right) for right in (True, False))
-        if gain > 0 >= less:
-            check, findings = other
-            check.scope.readings.append(f"angles are read as the whole cells of the table ({gain} more agree)")
+            check.scope.readings.append(f"angles are read as {what} ({gain} more agree)")
     lone = whole.uncertain_entries(findings, model.n) if document else frozenset()
     check.skipped += (Skipped(f.location, _LONE, f.text) for f in findings if f in lone)
     findings = tuple(finding for finding in findings if finding not in lone)

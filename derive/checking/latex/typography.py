@@ -215,7 +215,9 @@ def _entry(match: re.Match[str], first: int) -> str:
 
 def _of_solution(match: re.Match[str]) -> str:
     """A joint variable with the label of a solution where it is what an equation gives, without it in formulas."""
-    is_one = match["end"] and len(re.findall("[0-9]", match["kept"])) == 1  # but theta_{23}
+    before = match.string[max(match.start() - 8, 0) : match.start()].rstrip()
+    is_one = match["end"] and len(re.findall("[0-9]", match["kept"])) == 1  # but theta_{23}, and a sum or a sine of it
+    is_one = is_one and not before.endswith(("sin", "cos", "tan", "+", "-", "("))
     label = f"^{match['label']}{match['end']}" if is_one else match["end"] or ""
     return match["kept"] + label.rjust(match.end() - match.end("kept"))
 
