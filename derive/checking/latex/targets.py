@@ -264,7 +264,7 @@ def _jacobians(left: Left, n: int) -> Iterator[Target]:
         yield Target(f"J_{sub}")
         rows, columns = ((1, 2, 3) if k == "1" else (4, 5, 6) for k in sub)
         yield from (Target(f"J_at[{k}]", rows, columns) for k in (4, 5) if n == 6)  # of the wrist
-    yield from _jacobian_parts(sub, n, indices, names[0])
+    yield from _jacobian_parts(sub, n, indices, "J_end" if sup and in_end else "J")
 
 
 def _jacobian_parts(sub: str, n: int, indices: Indices, name: str) -> Iterator[Target]:
