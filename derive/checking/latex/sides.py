@@ -273,7 +273,7 @@ class SideReading(Comparing):
             is_other = left is not None and self._label(left) in self._same_pose
             return Side(piece, left, (), joint, is_branch=True, keeps_pose=is_other)
         if left is None and has_all_exponentials(piece.text, self.robot.n):
-            error = self._refused(piece, "a product of exponentials")
+            error = self._refused(piece, "a product of exponentials or of all rows")
             return Side(piece, error=error, factors=(Left("T"),), frames=frames_of(Target("T"), self.robot))
         if may_name and left is None and re.search(r"\\(?:partial|nabla)", piece.text):
             with suppress(CheckError):

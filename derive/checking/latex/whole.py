@@ -383,8 +383,11 @@ def between(start: int, stop: int, robot: Robot) -> str:
 
 
 def has_all_exponentials(text: str, n: int) -> bool:
-    r"""Whether a product has those of all screw axes in their order: ``e^{[S_1]\theta_1} ... M``."""
+    r"""Whether a product has all screw axes, ``e^{[S_1]\theta_1} ... M``, or all rows, ``\prod_{i=1}^6 A_i``."""
     tight = "".join(FONT.sub("", text).split()).replace("\\hat", "")
+    steps = r"\^i-1[AT]_i|\^i-1_i[AT]|[AT]_i\^i-1|[AT]\^i-1_i|A_i"
+    if re.fullmatch(rf"\\prod(?:\^{n}_i=1|_i=1\^{n})(?:{steps})(?:\(\w+\))?", re.sub("[{}]", "", tight)):
+        return True
     every, *some = ("".join(_EXPONENTIAL.replace("K", str(k)) for k in range(1, m + 1)) for m in (n, 1, 2))
     last, home = _EXPONENTIAL.replace("K", f"(?:n|N|{n})"), r"(?:M|g_\{?\w+\}?\(0\)|T\(0\))"
     product = rf"(?:{every}|(?:{'|'.join(some)})(?:\\[cl]?dots|\.\.+){last})"
