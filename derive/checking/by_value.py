@@ -84,7 +84,8 @@ class ByValue:
         if len(formulas) == 1 and (sign := next((n for n in used if n.startswith(SIGN)), "")):  # +-arccos, an angle
             formulas, used = [substitute(formulas[0], {sign: number(1)})], used - {sign}
         is_open = any(entry.is_open or entry.unknown for entry in table.entries)
-        if self._robot.is_tree or is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
+        is_branched = self._robot.is_tree and not (self._robot.coupled and self._model.n <= MOST_ACCELERATED)
+        if is_branched or is_open or any(n.startswith(SIGN) for n in used) or self._model.n > _MOST_JOINTS:
             return ""
         readings: list[Mapping[str, Expression]] = self._readings if names_of_pose(*formulas) else [{}]
         moving = self._rates if left is not None and left.dots else self._joints | self._rates
@@ -167,6 +168,9 @@ class ByValue:
     def _all(self, is_dynamic: bool) -> Iterator[Named]:
         """Transforms, vectors, Jacobians and energies, and what one reads from them."""
         n, robot = self._model.n, self._robot
+        if robot.is_tree:  # a chain whose angles are counted from one direction
+            yield from self._moved(("", "velocity of ", "acceleration of ")[: 1 + 2 * is_dynamic])
+            return
         end, frames = self._numbers(self._model.quantity("T")), self._frames
         seen_from = [(f"{k},", f" in the axes of frame {k}", frame) for k, frame in enumerate(frames)]
         starts, points = self._points(is_dynamic=False), self._points(is_dynamic or n <= MOST_ACCELERATED)
@@ -205,18 +209,24 @@ class ByValue:
                 for label, part in _rows(f"velocity of {name}{where}", both @ rates) if is_dynamic else ():
                     yield from _vector(label, part)
         if is_dynamic and n <= MOST_ACCELERATED:
-            for k in range(1, n + 1):
-                places = {f"p[{k}]": self._model.frame(k)[:3, 3]}
-                places |= {f"centre[{k}]": own_quantity(self._model, f"centre[{k}]")} if robot.links else {}
-                for name, place in places.items():
-                    moved = slope(robot, slope(robot, place, "t"), "t")
-                    yield from _vector(f"acceleration of {name}", self._numbers(moved))
+            yield from self._moved(("acceleration of ",))
         if is_dynamic and robot.has_dynamics:
             yield from self._dynamics()
         elif self._poses is not None:
             yield from self._exponentials()
             yield from self._angles()
             yield from self._triangles(points)
+
+    def _moved(self, kinds: tuple[str, ...]) -> Iterator[Named]:
+        """Origins of frames and centres of mass, their velocities or accelerations."""
+        for k in range(1, self._model.n + 1):
+            places = {f"p[{k}]": self._model.frame(k)[:3, 3]}
+            places |= {f"centre[{k}]": own_quantity(self._model, f"centre[{k}]")} if self._robot.links else {}
+            for name, place in places.items():
+                moved = [place, *(place := slope(self._robot, place, "t") for _ in "12")]
+                ways = dict(zip(("", "velocity of ", "acceleration of "), moved, strict=True))
+                for kind in kinds:
+                    yield from _vector(f"{kind}{name}", self._numbers(ways[kind]))
 
     def _of_joints(self, name: Callable[[str], str]) -> Array:
         """A column of values that belong to the joints."""

@@ -171,7 +171,10 @@ _UNREAD = re.compile(
     re.DOTALL,
 )
 # Equations in a fence, one in each line, with nothing that programs alone have.
-_LISTED = re.compile(r"(?:[ \t]*(?:[A-Za-z\u0370-\u03ff][\w'\u2080-\u2089]{0,12}[ \t]*=(?!=)[^=\n#;:\"`.\[]+)?\n)+")
+_LISTED = re.compile(
+    r"(?:[ \t]*(?:(?:[A-Za-z\u0370-\u03ff][\w'\u2080-\u2089]{0,12}|(?:cos|sin)\(\w+\))[ \t]*"
+    r"=(?!=)(?:[^=\n#;:\"`.\[]|(?<=\d)\.(?=\d))+)?\n)+"
+)
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
 # An equation in two formulas, $a$ = $b$ or **$a =$** $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
 _PARTED = re.compile(
@@ -274,7 +277,29 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
         text = text[: match.start()] + blank(text[match.start() : end + 1]) + text[end + 1 :]
         position = end
     origins = range(len(text))
-    return _Expansion(macros).written(text, list(origins)) if macros else (text, origins)
+    return _Expansion(macros).written(text, list(origins))
+
+
+# Macros of packages and lectures whose definitions are elsewhere, and words for matrices of arguments or of rows.
+_USUAL = dict.fromkeys(("pdv", "pdiff", "pder", "pderiv"), r"\frac{\partial #1}{\partial #2}") | {"norm": r"\|#1\|"}
+_USUAL |= dict.fromkeys(("dv", "deriv", "odv"), r"\frac{d #1}{d #2}") | {"abs": "|#1|", "qty": "(#1)"}
+_USUAL |= dict.fromkeys(("vb", "va"), r"\mathbf{#1}") | {"atantwo": r"\operatorname{atan2}"}
+_GRID_NAME = re.compile(r"(?P<row>r(?:ow)?|)(?:c|col|column)?vec(?:two|three)?|[bp]?mat(?!h|rix$)[a-z]*|[bp]?mqty")
+
+
+def _usual(call: re.Match[str]) -> Macro | None:
+    r"""What a macro is that nothing here defines, by its name and its arguments: ``\cvec{a}{b}``."""
+    name, end, groups = call[1], call.end(), list[str]()
+    match, body = _GRID_NAME.fullmatch(name), _USUAL.get(name)
+    while (match or body) and call.string.startswith("{", end):
+        begin, end = end + 1, closing_brace(call.string, end) + 1
+        groups.append(call.string[begin : end - 1])
+    count = len(groups)
+    if body or match is None or not (1 < count < 10 or re.search(r"&|\\\\", "".join(groups))):
+        return Macro(count, None, body) if body and count == body.count("#") else None
+    width = {4: 2, 9: 3}.get(count, 1) if "ma" in name else count if match["row"] else 1
+    cells = [f"#{k}" + ("&" if k % width else r"\\") for k in range(1, count + 1)]
+    return Macro(count, None, rf"\begin{{bmatrix}}{''.join(cells)[:-1].rstrip(chr(92))}\end{{bmatrix}}")
 
 
 class _Expansion:
@@ -288,9 +313,9 @@ class _Expansion:
         pieces, places, last = [], [], 0
         for match in re.finditer(r"\\([A-Za-z]+)", text):
             begin, name = match.start(), match[1]
-            if name not in self._macros or begin < last:
+            macro, here = self._macros.get(name) or _usual(match), origins[begin]
+            if macro is None or begin < last:
                 continue  # inside an argument, which is written out with its macro
-            macro, here = self._macros[name], origins[begin]
             found = self._arguments(macro, match, origins)
             if found is None or depth >= MAX_DEPTH or self._left <= 0 or self._room <= 0:
                 continue

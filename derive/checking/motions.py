@@ -11,6 +11,7 @@ import sympy
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.lecture.sympy_conversion import Matrix, expression_from_sympy, expression_to_sympy
 from derive.model.model import Model
+from derive.model.quantities import REGISTRY
 from derive.robot.expression import Expression, names
 from derive.robot.names import acceleration_name, own_names, velocity_name
 
@@ -71,12 +72,17 @@ class Motions:
             with suppress(*NO_VALUE):
                 if all(abs(self._left(zero, at, torques, 1)) < _EXACT for at in self._points):
                     return f"where {said} alone drives"
+                # the torque of a joint less its friction, f_theta = -mu qd
+                if letters and all(abs(self._left(zero, at, torques, 1, drags=False)) < _EXACT for at in self._points):
+                    return f"where {said} less friction alone drives"
                 near = (self._left(zero, at, torques, _SMALL) / _SMALL for at in self._points)
                 if max(map(abs, near)) < _ROUGH and self._is_linear(zero):
                     return f"where {said} alone drives, near rest with all joint variables zero"
         return ""
 
-    def _left(self, zero: Expression, at: Mapping[str, float], torques: Mapping[int, str], size: float) -> float:
+    def _left(
+        self, zero: Expression, at: Mapping[str, float], torques: Mapping[int, str], size: float, *, drags: bool = True
+    ) -> float:
         """The value of a formula while torques alone drive; size scales angles, velocities and torques."""
         point = {name: at[name] for name in (*own_names(self._robot), *names(zero))}
         point |= {name: at[name] * size for name in (*self._joints, *self._rates)}
@@ -85,6 +91,8 @@ class Motions:
         for i, letter in torques.items():
             torque[i] = point[f"?{letter}"] = at[f"?{i}"] * size
         inertia, rest = (matrix_value(self._model.quantity(name), point) for name in ("B", "tau"))
+        if not drags and REGISTRY["friction"].is_of(self._robot):
+            rest -= matrix_value(self._model.quantity("friction"), point)
         moved = np.linalg.solve(inertia, torque - rest)[:, 0]  # B qdd = tau - (C qd + g + f)
         return float_value(zero, point | dict(zip(self._accelerations, moved, strict=True)))
 

@@ -10,7 +10,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 
 from derive.checking.formulas.diagnosis import Question
-from derive.checking.formulas.findings import Finding, Role, Skipped, compared, undecidable
+from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
 from derive.checking.latex.conditions import certain, explaining
@@ -101,6 +101,11 @@ def _count(findings: Sequence[Finding], *, right: bool) -> int:
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _LONE = "C is not unique, and the rest of the row is not printed"
+_NEARLY = re.compile(
+    r"(?i)\\approx|taylor|small[- ]angle|lineari[sz]|linealiz|approxim|\u6cf0\u52d2|\u5c0f\u89d2|\u8fd1\u4f3c"
+)
+# Parts of a sum by names of the author's own, T_c + T_p.
+_PARTS = re.compile(r"(?:[\s{]*[A-Z]_(?:\w|\{[^{}+]*\})[\s}]*(?:\+|$)){2,}")
 _FORCE = "where the force acts, and in which axes, is not certain"
 _TWO_FORMULAS = "{} has another formula elsewhere: one of them is wrong, or it means two things"
 _VECTORS = frozenset("rdpoPs")  # letters for a vector between any two points
@@ -123,10 +128,11 @@ class _Check(SideReading):
         places = {finding.location for finding in found}
         told = places | {skipped.location for skipped in self.skipped if not skipped.reason.startswith("defines ")}
         self.skipped = [s for s in self.skipped if s.location not in told or not s.reason.startswith("defines ")]
-        for _, _, meaning, side in self.scope.defined() if self.document else ():
+        for _, index, meaning, side in self.scope.defined() if self.document else ():
             where = self.plain.location(side.start)
             if where not in places and (by_value := self._by_value(meaning, side.text, self._typed(side), where)):
-                self.skipped = [skipped for skipped in self.skipped if skipped.location != where]
+                here = {self.plain.location(s.start) for s in self.scope.equations[index]}
+                self.skipped = [skipped for skipped in self.skipped if skipped.location not in here]
                 yield by_value
 
     def _settled(self) -> Iterator[Finding]:
@@ -402,7 +408,9 @@ class _Check(SideReading):
         fitting = [s for s in said if isinstance(s.value, Table) and any(self._fitting(x, s.value)[1] for x in named)]
         # another matrix beside one of the right shape says how that is made
         said = [side for side in said if not fitting or side in fitting or not isinstance(side.value, Table)]
+        is_later = right = False  # behind a side that is right
         for side in moving if is_singular else said:
+            is_later = is_later or right
             text, start = self._typed(side.piece), side.piece.start
             if self.document and side.value == ZERO and (zeros := self._constant_matrix(named, False)) is not None:
                 side = replace(side, value=zeros)
@@ -415,6 +423,9 @@ class _Check(SideReading):
                 findings = self._at_home(table, tuple(self._compared(name, table, side.piece.start)))
                 if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)
+                    is_rough = is_later and self.document and _NEARLY.search(self.text, max(start - 1500, 0), start)
+                    if is_rough and not any(judge(finding).repair for finding in findings):
+                        raise self._refused(side.piece, "an approximation of the side before it")
                     if name.left is not None and name.left.head in _VECTORS and is_open:
                         what = f"{quoted(self._typed(name.piece))} is defined by what cannot be read"
                         raise self._refused(name.piece, what)
@@ -423,7 +434,8 @@ class _Check(SideReading):
     def _unread(self, side: Side, error: CheckError, named: list[Side], is_last: bool) -> Iterator[Finding]:
         """What becomes of a side that cannot be read: one between others is passed over, the last one is refused."""
         if not is_last:
-            self._skip(side.piece, error)
+            if not (isinstance(error, UnknownNameError) and _PARTS.fullmatch(side.piece.text)):
+                self._skip(side.piece, error)
         elif isinstance(error, UnknownNameError) and not self.lone and (named or self.asked):
             target = named[0].targets[0] if named else Target(self.asked)
             place = ((*target.rows, 0)[0], (*target.columns, 0)[0])

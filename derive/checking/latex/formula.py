@@ -101,7 +101,7 @@ class LatexReader:
                     raise CheckError("two formulas, of which either may hold", remedy="check one at a time")
                 text = _BARS.sub("\\1\ue003\\2\ue004\\3", text.replace("\\vert", "|    "))
                 text = _OF_MATRIX.sub(self._of_matrix, text)
-                text = _ARGUMENTS.sub(lambda m: m[1].ljust(len(m[0])), text)
+                text = _ARGUMENTS.sub(lambda m: (m[1] or m[2]).ljust(len(m[0])), text)
                 text = _SEEN_FROM.sub(self._seen_from, text)
                 text = _PRIMED_NAME.sub(self._primed, text)
             if "\\partial" in text or "\\dot" in text:
@@ -264,10 +264,11 @@ _BRANCH = re.compile(
     r"((?:\\(?:var)?theta|(?<![A-Za-z\\])[qdcs])\s*_\s*(?:\{[^{}]*\}|\w))\s*\^\s*"
     r"(?:\{\s*(?:\([^(){}]{1,3}\)|[-+]|(?:\\(?:text|mathrm)\s*\{)?\s*(?:base|up|down|left|right|front|back|flip)\s*\}?)\s*\}|[-+])"
 )
-# The arguments of an entry: M_{11}(\\theta_2), b_{12}(q).
-_JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|q)\}?(?:\s*_\s*\{?[0-9]\}?)?"
+# The arguments of an entry, M_{11}(\\theta_2), b_{12}(q), or of any name that has more than one: f_x(x, \\dot x).
+_JOINT = r"(?:\\d*dot\s*)?\{?(?:\\(?:var)?theta|[qx])\}?(?:\s*_\s*\{?[0-9]\}?)?"
 _ARGUMENTS = re.compile(
     rf"((?<![A-Za-z\\])[MBDCGgJNH]\s*_\s*(?:\{{[0-9, ]+\}}|[0-9]))\s*\(\s*{_JOINT}(?:\s*,\s*{_JOINT})*\s*\)"
+    rf"|(\\?[A-Za-z]+\s*_\s*(?:\{{[^{{}}]+\}}|\\[a-z]+|\w))\s*\(\s*{_JOINT}(?:\s*,\s*{_JOINT})+\s*\)"
 )
 _OF_MATRIX = re.compile(
     r"\\det(?![a-z])\s*(?:\((?P<in>(?:[^()]|\(\\?\w+\))*)\)|(?P<bare>\\[a-z]+\s*\{[A-Z]\}|[A-Z]))"

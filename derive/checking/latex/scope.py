@@ -382,6 +382,7 @@ class Scope:
             return left.flat
         # of a joint variable or a point a prime may be the label of a branch or a derivative
         is_point = left is not None and bool(left.sub) and left.head in ("theta", "q", "d", "v", *AXES)
+        is_point &= not (left and left.primes and whole.is_shifted(side.text, self.equations))
         if left is not None and left.primes and replace(left, primes=0).is_plain and self.document and not is_point:
             return left.flat  # a new angle or length, such as theta' = theta_2 - 90 degrees
         if left is None or not left.is_plain or self.is_own(left) or re.fullmatch("R[0-9]{4}|.*-.*", left.flat):
@@ -395,7 +396,7 @@ class Scope:
         is_product = re.fullmatch(r"\s*[A-Za-z](?: +[A-Za-z])+\s*", side.text) is not None
         with suppress(CheckError):  # what looks like one name is a product of known ones, such as dC_{23}
             is_product |= len(left.head) > 1 and bool(self.plain.formula(side))
-        if self.document and (is_rate(left.flat) or is_product):
+        if self.document and (is_product or is_rate(left.flat) or whole.is_force(side, rest, self.equations)):
             return ""
         if not left.is_point and self._is_pose(left):  # but z_w = p_{wz} - d_1
             return left.flat if self.poses and self.poses.is_other(left.flat, {*printed_words(rest)}) else ""

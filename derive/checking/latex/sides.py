@@ -332,8 +332,8 @@ class SideReading(Comparing):
         if not self.document or match is None or not is_labelled or left.dots:
             return None
         name = Symbol(left.head + match["joint"], 0)
-        is_joint = left.head in ("theta", "q", "d") and self.plain.names.knows(name.text)
-        meaning = self.plain.names.meaning(name) if is_joint else None
+        is_joint = left.head in ("theta", "q", "d") and not (left.primes and left.flat in self.scope.definitions)
+        meaning = self.plain.names.meaning(name) if is_joint and self.plain.names.knows(name.text) else None
         if not isinstance(meaning, Name) or meaning.name not in self.joints:
             return None
         if left.sup.isdigit() and not self.joints[meaning.name].is_revolute:

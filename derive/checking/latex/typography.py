@@ -369,6 +369,11 @@ _OVER = re.compile(
     r"\{\s*(\\partial(?![A-Za-z])(?:[^{}]|\{[^{}]*\})*?)\\over(?![A-Za-z])((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})*)\}"
 )
 _SLOPE = re.compile(rf"(\\partial\s*{_ONE}(?:_{_ONE})?)\s*/\s*(\\partial\s*{_ONE}(?:_{_ONE})?)")
+# Of an energy by a variable, written with straight letters.
+_STRAIGHT = re.compile(
+    r"\\[dt]?frac\s*\{\s*d\s*([A-Z]|(?:\\math[a-z]+\s*)?\{\s*[A-Z]\s*\}|\\mathcal [A-Z])\s*\}\s*"
+    r"\{\s*d\s*((?!_|t\s*\})\\?[A-Za-z](?:[^{}+-]|\{[^{}+-]*\})*)\}"
+)
 # The square of a vector's length.
 _NORM = re.compile(
     r"(?:\\left\s*)?\\(?:\||[lr]?Vert)\s*((?:(?!\\\||\\[lr]?Vert|\\right|\^\{?0)[^$])*?)(?:\^\{?0\}?)?\s*"
@@ -392,6 +397,13 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (re.compile(r"(?<![A-Za-z\\])([mla]_[1-9])([2-9])(?=[A-Za-z\\])"), lambda m: f"{m[1]} {m[2]}"),
     (re.compile(r"(\\end\{[bp]matrix\}\s*)[xX](?=\s*\\begin)"), lambda m: f"{m[1]}\\times "),
     (_OVER, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
+    # what is left of macros of packages and lectures
+    (re.compile(r"\^\s*\{?\s*\\(?:T|tran|trans|transp|transpose|tp)(?![A-Za-z])\s*\}?"), lambda m: "^T"),
+    (re.compile(r"\\(dd?)(q|theta)(?![A-Za-z])"), lambda m: f"\\{m[1]}ot{{{'' if m[2] == 'q' else chr(92)}{m[2]}}}"),
+    (re.compile(r"\\mqty\s*[(\[]((?:[^()\[\]]|\([^()]*\))*)[)\]]"), lambda m: rf"\pmatrix{{{m[1]}}}"),
+    (re.compile(r"\\qty(?=\s*[(\[])"), lambda m: ""),
+    (re.compile(r"(?<=[A-Za-z0-9}\])])\.T(?![A-Za-z_^])"), lambda m: "^T"),  # as programs transpose
+    (_STRAIGHT, lambda m: f"\\frac{{\\partial {m[1]}}}{{\\partial {m[2]}}}"),
     (_SLOPE, lambda m: f"\\frac{{{m[1]}}}{{{m[2]}}}"),
     # pandoc's indices and exponents, a~1~^2^, and a display in dollar signs of a line
     (re.compile(r"(?<=[A-Za-z0-9*^}])~([0-9]{1,3})~"), lambda m: f"_{{{m[1]}}}"),

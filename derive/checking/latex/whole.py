@@ -421,6 +421,18 @@ def constrains(one: Expression, other: Expression, moving: AbstractSet[str], par
     return {*names(other)} <= (parameters | moving) - {one.name}
 
 
+def is_shifted(name: str, equations: Iterable[Sides]) -> bool:
+    """Whether a joint variable with primes is an angle of a figure, as theta_2 = theta_2' + pi/2 says."""
+    joint = re.sub(r"[\s']|\^?\{?\\prime\}?", "", name)
+    return any(e[1:] and "".join(e[0].text.split()) == joint and name.strip() in e[1].text for e in equations)
+
+
+def is_force(side: LatexPiece, rest: str, equations: Iterable[Sides]) -> bool:
+    """Whether a side is a name behind an equation of motion that no other equation has."""
+    having = [e for e in equations if any(side.text.strip() in other.text for other in e)]
+    return "\\ddot" in rest and len(having) == 1 and having[0][0] is not side
+
+
 def unused(defined: Iterable[Defined], equations: Sequence[Sides], compared: set[int]) -> Iterator[Defined]:
     """Definitions that no formula uses which is compared, neither itself nor by what it defines."""
     waiting, live, own = list(defined), compared, dict[Defined, str]()
