@@ -239,8 +239,7 @@ class _Check(SideReading):
                 self.reader = self.scope.reader(index)
             named = {head: left for begin, head, left in self.scope.namings if begin <= index}
             self.meanings.entries = {h: left for h, left in named.items() if left != Left(h, arguments=left.arguments)}
-            told = len(self.skipped)
-            found: list[Finding | Claim] = []
+            told, found = len(self.skipped), list[Finding | Claim]()
             try:
                 found.extend(self._equation(index, equation))
             except CheckError as error:

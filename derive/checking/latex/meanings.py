@@ -144,10 +144,8 @@ class Meanings:
             return ()
         if left.head in self.columns and left.is_plain and left.sub in AXES:
             return (Target("T", (AXES[left.sub],), (self.columns[left.head],)),)
-        if self.counts_world and left.head in "TAHRMpPoOd" and not left.dots:
-            left = _from_world(left)
-        if left.before in self.bases:
-            left = replace(left, before="0")
+        left = _from_world(left) if self.counts_world and left.head in "TAHRMpPoOd" and not left.dots else left
+        left = replace(left, before="0") if left.before in self.bases else left
         if self.counts_joints and left.head in "pP" and left.is_plain and left.sub.isdigit() and int(left.sub):
             left = replace(left, sub=str(int(left.sub) - 1))
         found: dict[Target, None] = {}

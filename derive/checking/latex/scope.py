@@ -54,12 +54,12 @@ class Scope:
     def __init__(
         self, model: Model, text: str, start: Location, document: bool, *, cosine_first: bool | None = None
     ) -> None:
-        self._cosine_first = cosine_first
+        self._cosine_first, self._signs = cosine_first, plus_minus() if document else None
         self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
         has_time = "t" not in robot_symbols(self.robot)
-        found: Iterator[Sides] = equations(text, start, document=document, time=has_time)
-        found = islice(chain.from_iterable(map(alternatives, found)) if document else found, MAX_EQUATIONS + 1)
-        self.equations = tuple(found)  # what is compared, in the order of the text
+        found = equations(text, start, document=document, time=has_time)
+        found = chain.from_iterable(map(alternatives, found)) if document else found
+        self.equations = tuple(islice(found, MAX_EQUATIONS + 1))  # what is compared, in the order of the text
         if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
             allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
             raise CheckError("too many equations in one text", allowed=allowed, location=start)
@@ -85,9 +85,8 @@ class Scope:
         self.meanings.counts_joints = any(x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.momenta |= whole.momenta(text, self.robot.n) if document else {}
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
-        self._signs = plus_minus() if document else None
-        self.torques: dict[str, Expression] = {}
-        self.readings: list[str] = []  # how the text is read, in words, where that is not the usual way
+        # how the text is read, in words, where that is not the usual way; and see `_torques`
+        self.readings, self.torques = list[str](), dict[str, Expression]()
         self._define()
         lent = self._lent_letters() if document else frozenset[str]()
         if lent := lent | frozenset("h" * bool(document and re.search(r"g\s*h\s*_", plain))):  # heights, m_1 g h_1
@@ -128,9 +127,8 @@ class Scope:
         found: dict[str, Expression] = {}
         rates = {velocity_name(joint.variable) for joint in self.robot.movers}
         sides = ((taken_apart(e[0].text), e[-1]) for e in self.equations if e[1:] and not e[0].matrices)
-        has_accelerations = any(
-            "\\ddot" in s.text for e in self.equations for s in e
-        )  # only equations of motion take them
+        # only equations of motion take them
+        has_accelerations = any("\\ddot" in side.text for side in chain.from_iterable(self.equations))
         for left, side in sides if self.document and has_accelerations else ():
             targets = self.meanings.targets(left) if left and left.head in "cChHnNV" else ()
             meant = (self.meanings.right(target) for target in targets if target.quantity in ("Cqd", "bias"))
