@@ -85,8 +85,7 @@ class Scope:
         self.meanings.counts_joints = any(x.flat.lower() == f"p{self.robot.n + 1}" for x in behind)
         self.meanings.momenta |= whole.momenta(text, self.robot.n) if document else {}
         self.meanings.bases = whole.base_letters(self.equations) if document else frozenset()
-        # how the text is read, in words, where that is not the usual way; and see `_torques`
-        self.readings, self.torques = list[str](), dict[str, Expression]()
+        self.readings, self.torques = list[str](), dict[str, Expression]()  # unusual ways to read the text, in words
         self._define()
         lent = self._lent_letters() if document else frozenset[str]()
         if lent := lent | frozenset("h" * bool(document and re.search(r"g\s*h\s*_", plain))):  # heights, m_1 g h_1
