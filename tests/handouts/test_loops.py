@@ -107,6 +107,7 @@ def test_random_couplings_are_drawn_where_their_joints_are(seed: int) -> None:
     assert np.allclose(found[: robot.n + 1], wanted[: robot.n + 1], atol=1e-9)
 
 
+@pytest.mark.sweep
 def test_frames_of_the_arm_of_a_loop_have_numbers_of_their_own_where_a_constant_transform_makes_it_a_tree() -> None:
     assert "('$2$', '$1$', 'revolute'" in str(part(mechanism("rods", 2), "closure").blocks)
 

@@ -103,6 +103,7 @@ def test_loops_without_formulas_end_with_time_and_with_what_is_missing(tmp_path:
     assert run.energy_error < 1e-8
 
 
+@pytest.mark.sweep
 def test_a_loop_with_formulas_that_turns_through_goes_with_one_without(tmp_path: Path) -> None:
     rows = (
         "  - {type: revolute, name: coupler, after: crank, q: q6, a: 0.45, passive: true}\n"
