@@ -75,9 +75,11 @@ def plate_plan(folder: Path, to: float, time: float, law: str, crank: float = 0.
     return f"robot: {folder / 'plate.yaml'}\n{points}\ncontrol: {{law: {law}}}\n"
 
 
-def test_loops_without_formulas_follow_from_the_last_configuration(tmp_path: Path) -> None:
-    motion = Motion.from_text(plate_plan(tmp_path, 13.0, 10, "none"))  # two turns, further than one way of `positions`
-    t = np.linspace(0, 10, 2001)
+@pytest.mark.parametrize("seconds", [2, pytest.param(10, marks=pytest.mark.sweep)])
+def test_loops_without_formulas_follow_from_the_last_configuration(tmp_path: Path, seconds: int) -> None:
+    # at most two turns, further than one way of `positions`
+    motion = Motion.from_text(plate_plan(tmp_path, 1.3 * seconds, seconds, "none"))
+    t = np.linspace(0, seconds, 200 * seconds + 1)
     q, qd, _ = motion(t)
     energy = Functions(motion.plan.robot, frozenset({"kinetic_energy", "potential_energy"}), motion.values)
     stored = energy("kinetic_energy", q, qd) + energy("potential_energy", q)
