@@ -30,6 +30,7 @@ from derive.robot.description import IDENTITY
 from derive.robot.expression import Call, Expression, Name, Sum, is_constant, names, number, substitute
 from derive.robot.names import own_names, velocity_name
 
+_MOTIONS = ("", "velocity of ", "acceleration of ")  # of a point, in the order of derivatives
 _POINTS = 2  # random points at which values are compared
 _MOST_JOINTS = 8  # of longer arms there are too many ways between points
 _CLOSE = 1e-9  # their relative difference where they are equal
@@ -169,7 +170,7 @@ class ByValue:
         """Transforms, vectors, Jacobians and energies, and what one reads from them."""
         n, robot = self._model.n, self._robot
         if robot.is_tree:  # a chain whose angles are counted from one direction
-            yield from self._moved(("", "velocity of ", "acceleration of ")[: 1 + 2 * is_dynamic])
+            yield from self._moved(_MOTIONS[: 1 + 2 * is_dynamic])
             return
         end, frames = self._numbers(self._model.quantity("T")), self._frames
         seen_from = [(f"{k},", f" in the axes of frame {k}", frame) for k, frame in enumerate(frames)]
@@ -222,11 +223,11 @@ class ByValue:
         for k in range(1, self._model.n + 1):
             places = {f"p[{k}]": self._model.frame(k)[:3, 3]}
             places |= {f"centre[{k}]": own_quantity(self._model, f"centre[{k}]")} if self._robot.links else {}
-            for name, place in places.items():
-                moved = [place, *(place := slope(self._robot, place, "t") for _ in "12")]
-                ways = dict(zip(("", "velocity of ", "acceleration of "), moved, strict=True))
-                for kind in kinds:
-                    yield from _vector(f"{kind}{name}", self._numbers(ways[kind]))
+            for name, moved in places.items():
+                for kind in _MOTIONS[: _MOTIONS.index(kinds[-1]) + 1]:
+                    moved = slope(self._robot, moved, "t") if kind else moved
+                    if kind in kinds:
+                        yield from _vector(f"{kind}{name}", self._numbers(moved))
 
     def _of_joints(self, name: Callable[[str], str]) -> Array:
         """A column of values that belong to the joints."""

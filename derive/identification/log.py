@@ -15,7 +15,7 @@ import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from itertools import pairwise, product
+from itertools import islice, pairwise, product
 from math import ceil, log, pi
 from pathlib import Path
 from typing import Any
@@ -183,7 +183,11 @@ class Log:
             column, line, cell, cells = wrong.groups()
             what = f"{cells} cells" if cells else f"{quoted(cell)} for {self.names[int(column)]}"
             remedy = f"write {len(self.names)}" if cells else "correct the line"
-            raise self._error(what, int(line) - 2, allowed="allowed: numbers", remedy=remedy) from None
+            # Arrow does not count blank lines
+            with Path(str(self.path)).open(encoding="utf-8-sig", errors="replace") as file:
+                written = (number for number, text in enumerate(file) if text.strip("\r\n"))
+                row = next(islice(written, int(line) - 1, None), int(line) - 1) - 1
+            raise self._error(what, row, allowed="allowed: numbers", remedy=remedy) from None
 
     def _record_batches(self, names: list[str]) -> Any:
         if self.path is None:

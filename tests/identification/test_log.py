@@ -100,6 +100,7 @@ def test_places_that_are_passed_over_begin_new_segments() -> None:
     ("line", "message"),
     [
         ("1,abc" + ",1" * 23, r":3:1: 'abc' for q1; allowed: numbers; correct the line"),
+        ("\n\n1,abc" + ",1" * 23, r":5:1: 'abc' for q1"),
         ("1,2,3", r":3:1: 3 cells; allowed: numbers; write 25"),
         ("0.01," + ",1" * 23, r":3:1: no number in q1 from row 2 on \(1 rows, 0.01 s\)"),
     ],
