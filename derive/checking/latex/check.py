@@ -13,7 +13,7 @@ from derive.checking.formulas.diagnosis import Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
-from derive.checking.latex.conditions import certain, explaining
+from derive.checking.latex.conditions import at_home, at_stated_numbers, certain, explaining, moves
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -259,7 +259,7 @@ class _Check(SideReading):
             self.around |= dict.fromkeys(entries, printed)
             unknown = next((one.unknown for one in found if isinstance(one, Finding) and one.unknown), None)
             right = [one for one in found if isinstance(one, Finding) and one.verdict.equal]
-            otherwise = self.otherwise(index, equation) if unknown is not None and not right else ()
+            otherwise = () if unknown is None or any(map(moves, right)) else self.otherwise(index, equation)
             if otherwise and self.document:
                 compared.add(index)
                 yield from otherwise
@@ -419,7 +419,10 @@ class _Check(SideReading):
             for name in named:
                 if right and name.left is not None and not name.left.sub + name.left.sup + name.left.before:
                     continue
-                findings = self._at_home(table, tuple(self._compared(name, table, side.piece.start)))
+                findings = tuple(self._compared(name, table, side.piece.start))
+                if self.document:
+                    findings = at_home(self.robot, table, findings)
+                    findings = at_stated_numbers(self.robot, self.conditions, findings)
                 if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)
                     is_rough = is_later and self.document and _NEARLY.search(self.text, max(start - 1500, 0), start)

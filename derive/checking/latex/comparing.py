@@ -11,7 +11,7 @@ from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
-from derive.checking.latex.conditions import Condition, Values, ways
+from derive.checking.latex.conditions import DECIMALS, DIGITS, Condition, Values, ways
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import Right
@@ -31,10 +31,8 @@ from derive.robot.names import acceleration_name, own_names, velocity_name
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 MOVING = 6  # entries with symbols of a matrix that is not one step, as a turn about an axis is
-DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
 ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 _AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
-_DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 _VELOCITY = re.compile(r"\\dot\s*\{?\s*(?:p_\{?\s*)?[xyz](?![A-Za-z])|(?<![A-Za-z\\])[vV]_\{?\s*[xyz]")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 
@@ -225,7 +223,7 @@ class Comparing:
         if found.verdict.equal or not (self.document and is_constant(one) and is_constant(other)):
             return found
         gap = abs(float_value(one, {}) - float_value(other, {}))
-        places = next((p for text in (right, left) if (p := [len(d) for d in _DECIMALS.findall(text)])), [])
+        places = next((p for text in (right, left) if (p := [len(d) for d in DECIMALS.findall(text)])), [])
         if places and gap <= DIGITS * 10.0 ** -min(places):
             return replace(found, verdict=Verdict(equal=True, exact=False), question=None)
         if places and gap <= ROUGHLY * abs(float_value(one, {})):

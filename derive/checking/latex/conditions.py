@@ -10,20 +10,27 @@ from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import groupby
 
 from derive.checking.formulas.diagnosis import PAIRED, Question
-from derive.checking.formulas.edits import is_token, spots
+from derive.checking.formulas.edits import NO_VALUE, float_value, is_token, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge
+from derive.checking.latex.matrices import Table
 from derive.errors import CheckError, Location
+from derive.model.equality import Verdict, compare
 from derive.robot import expression as tree
+from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Product, Sum
+from derive.robot.names import acceleration_name, velocity_name
+from derive.robot.robot import Robot
 
 NEAR = 0.5  # more than this part of its names and functions a near formula shares with ours, or with what repairs it
 AMONG = 3  # right formulas of a kind for each one that is far from ours, which make these certain
 _FAR = "as {} it would be wrong in more than one place, and so would most of its kind: it may mean something else"
 _SIDES_DIFFER = "its sides differ in more than one place, as too many here do: a name may mean something else"
+DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
+DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 REACH = 25  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 
 Values = Mapping[str, Expression]  # what stands for a name where a condition holds
@@ -110,6 +117,52 @@ def _combined(holding: Sequence[tuple[Condition, bool]], known: set[str]) -> Ite
     yield from ((c.text, way, is_near) for c, is_near in reversed(holding) for way in c.ways)
 
 
+def at_home(robot: Robot, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""
+    wrong = {f: f.question for f in findings if not f.verdict.equal}
+    joints = [joint.variable for joint in robot.movers]
+    moving = {name for q in joints for name in (q, velocity_name(q), acceleration_name(q))}
+    is_still = moving.isdisjoint(name for entry in table.entries for name in tree.names(entry.formula))
+    is_place = all(f.quantity[:1] in "TAp" or f.quantity in ("base", "tool") for f in findings)
+    if not (is_place and is_still and wrong) or table.shape == (1, 1):
+        return findings
+    zero = dict.fromkeys(joints, tree.ZERO)
+    pairs = [(tree.substitute(q.right, zero), q.printed) for q in wrong.values() if q is not None]
+    if len(pairs) < len(wrong) or not all(compare(robot, *pair).equal for pair in pairs):
+        return findings
+    right, note = Verdict(equal=True, exact=True), ", with all joint variables zero"
+    mended = {f: replace(f, verdict=right, note=note, cause="", question=None) for f in wrong}
+    return tuple(mended.get(f, f) for f in findings)
+
+
+def at_stated_numbers(
+    robot: Robot, conditions: Sequence[Condition], findings: tuple[Finding, ...]
+) -> tuple[Finding, ...]:
+    """Findings of which printed numbers are right with the file's numbers and a configuration that the text states."""
+    wrong = {f: f.question for f in findings if not f.verdict.equal}
+    if not wrong or not all(q and tree.is_constant(q.printed) for q in wrong.values()):
+        return findings
+    line = findings[0].location.line or 0
+    stated = [(f" where {c.text}", way) for c in conditions if c.line <= line <= c.line + REACH for way in c.ways]
+    together = {name: value for _, way in stated for name, value in way.items()}
+    for where, way in [("", {}), (" and the text", together), *reversed(stated)]:
+        with suppress(*NO_VALUE):
+            values = {name: float(value) for name, value in parameter_values(robot).items()}
+            values |= {name: float_value(value, values) for name, value in way.items()}
+            if all(_rounds_to(float_value(q.right, values), q.printed, f.text) for f, q in wrong.items() if q):
+                note = f", with the numbers of the file{where}"
+                mended = {f: replace(f, verdict=Verdict(True, False), note=note, question=None) for f in wrong}
+                return tuple(mended.get(f, f) for f in findings)
+    return findings
+
+
+def _rounds_to(value: float, printed: Expression, text: str) -> bool:
+    """Whether a printed number is a value, to a few units of its last digit."""
+    places = [len(digits) for digits in DECIMALS.findall(text)]
+    gap = abs(value - float_value(printed, {}))
+    return gap <= (DIGITS * 10.0 ** -min(places) if places else 1e-9 * (1 + abs(value)))
+
+
 def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     """The findings without those far from ours, but in a matrix or of a kind that is mostly right; what is left out."""
     starts = [(at.line or 0, at.column or 0) for at in begins]
@@ -134,6 +187,11 @@ def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tu
     reasons = (_SIDES_DIFFER if f.role is Role.IDENTITY else _FAR.format(f.entry) for f in firsts)
     told = tuple(Skipped(f.location, reason, f.text) for f, reason in zip(firsts, reasons, strict=True))
     return tuple(f for f in findings if f not in doubted), told
+
+
+def moves(finding: Finding) -> bool:
+    """Whether it is about more than a constant entry of a matrix."""
+    return finding.question is None or not tree.is_constant(finding.question.right)
 
 
 def _kind(finding: Finding) -> str:

@@ -43,6 +43,8 @@ _OPENING, _CLOSING = "([{", ")]}"
 _OPERATOR = re.compile(r"[-+*/=]|\\(?:cdot|times|ast)(?![A-Za-z])")
 _ENDS_OPEN = re.compile(r"(?:[-+*/=]|\\(?:cdot|times|ast))\s*$")
 _PROSE = re.compile(r"(?:[^\W\d_]|(?<=\w)-(?=\w)|[\s.,;:()'\u2019])*")
+# A name before the display that it is given, as programs print results: ``M =``.
+_NAMED = re.compile(r"^[ \t]*(?P<name>[A-Za-z]\w{0,5}) *= *\n\s*\Z", re.MULTILINE)
 _FENCE = re.compile(
     r"\\\[(?P<square>.*?)\\\]|\$\$(?P<double>.*?)\$\$|\\\((?P<round>.*?)\\\)|(?<!\\)\$(?P<single>[^$]*)(?<!\\)\$"
     r"|\\(?P<macro>eq|mx|whole)\s*(?=\{)"
@@ -84,7 +86,8 @@ def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int
             is_pair = match["macro"] == "mx" and plain.startswith("{", closing + 1)
             position = closing_brace(plain, closing + 1) if is_pair else closing
         elif name is None or name in EQUATION_ENVIRONMENTS:
-            fences.append((match.start(), match.end()))
+            named = _NAMED.search(plain, position, match.start()) if document else None
+            fences.append((named.start("name") if named else match.start(), match.end()))
             position = match.end()
         else:
             position = match.start() + len("\\begin") if document else match.end()

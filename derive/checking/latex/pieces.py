@@ -18,18 +18,18 @@ MAX_NESTED = 12  # environments inside each other, the text counted
 DISPLAYS = ("equation", "align", "aligned", "gather", "gathered", "split", "multline", "alignat", "flalign", "eqnarray")
 # All environments that hold equations.
 EQUATION_ENVIRONMENTS = frozenset(
-    (*DISPLAYS, "alignedat", "multlined", "displaymath", "math", "dmath", "IEEEeqnarray", "subequations")
+    (*DISPLAYS, "alignedat", "multlined", "displaymath", "math", "dmath", "IEEEeqnarray", "empheq", "subequations")
 )
 _GRIDS = frozenset((*MATRICES, "bsmallmatrix", "Bsmallmatrix", "vsmallmatrix", "tabular", "cases", "dcases", "rcases"))
 _LENGTH = r"(?:\s*\[\s*-?[0-9.]*\s*(?:pt|em|ex|mm|cm|in|\\[a-z]+)\s*\])?"
 _BRACES = r"\{(?:[^{}]|\{[^{}]*\})*\}"
 _STRUCTURE = re.compile(
-    rf"\\begin\s*\{{(?P<begin>[A-Za-z]+)\*?\}}(?:\s*\[[a-z|]*\])?(?P<columns>\s*{_BRACES})?"
+    rf"\\begin\s*\{{(?P<begin>[A-Za-z]+)\*?\}}(?:\s*\[(?:[a-z|]*|[a-z]+=[^][]*)\])?(?P<columns>\s*{_BRACES})?"
     r"|\\end\s*\{(?P<end>[A-Za-z]+)\*?\}"
     rf"|(?P<row>\\\\\*?{_LENGTH}|\\(?:cr|tabularnewline|newline)(?![A-Za-z]){_LENGTH})"
     r"|(?P<cell>(?<!(?<!\\)\\)&)"
 )
-_WITH_COLUMNS = ("array", "alignat", "alignedat", "IEEEeqnarray", "tabular")
+_WITH_COLUMNS = ("array", "alignat", "alignedat", "IEEEeqnarray", "empheq", "tabular")
 # Signs between the sides of an equation.
 RELATION = re.compile(
     r":\s*=|=\s*:|=|\\(?:coloneqq?|triangleq|equiv|doteq|stackrel\s*\{[^{}]*\}\s*\{\s*=\s*\}|overset\s*\{[^{}]*\}\s*\{\s*=\s*\})(?![A-Za-z])"

@@ -11,6 +11,7 @@ from operator import mul
 from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
+from derive.checking.latex.any_row import ANY_ROW, misprints
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides, listed
@@ -104,7 +105,8 @@ class SideReading(Comparing):
         """What can be said of an equation that is not read as it stands."""
         if re.match(r"\s*T\b", equation[0].text) and any(has_all_exponentials(s.text, self.robot.n) for s in equation):
             return (self._about(equation[0], "T", Verdict(True, True)),)
-        found = self._home(equation) or self._singular(equation) or self._of_motion(equation)
+        found = self._home(equation) or self._of_any_row(index, equation)
+        found = found or self._singular(equation) or self._of_motion(equation)
         return found or (*self._sides_by_value(equation),) or self._of_unknown(index, equation)
 
     def _home(self, equation: Sides) -> tuple[Finding, ...]:
@@ -116,6 +118,17 @@ class SideReading(Comparing):
             if left and is_home and isinstance(value, Table) and (quantity := self._values.at_home(value, left)):
                 found = self._about(equation[-1], quantity, Verdict(True, False))
                 return (replace(found, note=", with all joint variables zero"),)
+        return ()
+
+    def _of_any_row(self, index: int, equation: Sides) -> tuple[Finding, ...]:
+        """That a matrix with letters is that of any row of the table, or differs from it in one entry."""
+        with suppress(CheckError):
+            (table,), letters = self._with_letters(index, equation[-1:], {})
+            entries = misprints(table, letters, self.robot.convention)
+            right = Verdict(entries == [], exact=False)
+            cause = f"entry {entries[0]}, for a row is {ANY_ROW[self.robot.convention]}" if entries else ""
+            repair = Repair((), cause, ZERO) if cause else None
+            return (self._about(equation[0], "A[i]", right, repair),) if entries is not None else ()
         return ()
 
     def _singular(self, equation: Sides) -> tuple[Finding, ...]:
@@ -174,7 +187,9 @@ class SideReading(Comparing):
             return
 
     def _is_own_name(self, side: LatexPiece, *, is_first: bool) -> bool:
-        """Whether a side that cannot be read is a name, or a matrix of names."""
+        """Whether a side that cannot be read is a name, or a matrix of names, or one of coordinates of a point."""
+        if side.matrices and all((left := taken_apart(cell.text)) and left.is_point for cell in side.cells):
+            return True
         with suppress(CheckError):
             value = self.reader.value(side)
             if not isinstance(value, Table) or not any(entry.unknown for entry in value.entries):
@@ -418,21 +433,6 @@ class SideReading(Comparing):
         values = dict(zip(self.joints, cells, strict=True))
         self._states(side.piece, " ".join(self.text[side.piece.start : end].split()), (values,))
         return True
-
-    def _at_home(self, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
-        """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""
-        wrong = {f: f.question for f in findings if not f.verdict.equal}
-        is_still = self._moving.isdisjoint(name for entry in table.entries for name in names(entry.formula))
-        is_place = all(f.quantity[:1] in "TAp" or f.quantity in ("base", "tool") for f in findings)
-        if not (self.document and is_place and is_still and wrong) or table.shape == (1, 1):
-            return findings
-        zero = dict.fromkeys(self.joints, ZERO)
-        pairs = [(substitute(q.right, zero), q.printed) for q in wrong.values() if q is not None]
-        if len(pairs) < len(wrong) or not all(compare(self.robot, *pair).equal for pair in pairs):
-            return findings
-        right, note = Verdict(equal=True, exact=True), ", with all joint variables zero"
-        mended = {f: replace(f, verdict=right, note=note, cause="", question=None) for f in wrong}
-        return tuple(mended.get(f, f) for f in findings)
 
     def _refuse_example(self, side: Side, findings: tuple[Finding, ...]) -> None:
         """Numbers in a document belong to an example at values of the joints that are not known here."""

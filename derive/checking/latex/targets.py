@@ -17,12 +17,12 @@ Indices = tuple[int, ...]
 _END = frozenset((
     "e", "ee", "eef", "eff", "E", "EE", "EEF", "n", "N", "t", "tool", "Tool", "TOOL", "tcp", "TCP", "H", "h", "end",
     "hand", "Hand", "e.e.", "e.e", "F", "G", "gripper", "Gripper", "grip", "tip", "flange", "fingertip", "endeffector",
-    "target", "goal", "desired", "des",
+    "target", "goal", "desired", "des", "arm", "total", "final",
 ))  # fmt: skip
 _TARGETS = ("des", "desired", "target", "goal", "d")
 _BASE = frozenset(["0", "b", "B", "base", "Base", "BASE", "baselink", "world", "World", "w", "W", "s", "S", "O", "o"])
 _LINEAR = ("v", "P", "p", "L", "l", "pos", "lin")
-_ANGULAR = ("omega", "w", "O", "o", "A", "R", "ang", "rot")
+_ANGULAR = ("omega", "w", "O", "o", "A", "R", "Theta", "theta", "Omega", "ang", "rot")
 
 
 @dataclass(frozen=True, slots=True)

@@ -60,7 +60,7 @@ _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
     r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
     r"|\\(?:text|textrm|textit|textbf|mbox)(?=\s*\{(?:[^{}_^\\]|\\_)*(?:[_^]|\\[^_]))"
-    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])|\\(?:mathbf|bm|mathrm|mathit|mathsf|boldsymbol|vec)(?=\s+(?![ijkxyz])\\?[A-Za-z])"
+    r"|\\(?:mathbf|boldsymbol|bm|vec)(?=\s*[0-9])|\\(?:mathbf|bm|mathrm|mathit|mathsf|mathcal|boldsymbol|vec)(?=\s+(?![ijkxyz])\\?[A-Za-z])"
 )
 # Rates as letters behind an index, q_1p for "punto", and as primes, in a text that has accelerations of both kinds.
 _LETTERED = re.compile(
@@ -91,7 +91,7 @@ _ASIDE = re.compile(
     r"\\(?:operatorname\*?|mathrm|text)\s*\{\s*(?:wrap|wrapToPi|mod2pi)\s*\}|\^\s*\{\s*\(\s*\\pm\s*\)\s*\}"
     r"|\\?[A-Za-z]+(?:_\w)?\s*\\in\s*\\\{[^{}=$]*\\\}\s*,\s*(?=\\q?quad)"
     r"|(?<=\$)\s*(?:\\(?:var)?theta|[qxy])(?:_\w|_\{\w+\})?\s*:(?!\s*=)(?=[^$:]*=)"
-    r"|\\(?:approx|simeq)\s*-?[0-9][0-9.]*(?=\s*(?:\$|\\\\|\\\]|\\end|\\quad|\\text|[,.;]?\s*$))",
+    r"|\\(?:approx|simeq)\s*-?[0-9][0-9.]*(?=[\s,;]*(?:\$|\\\\|\\\]|\\end|\\q?quad|\\text|\.?\s*$))",
     re.MULTILINE,
 )
 _UNIT = r"\s*[-+]?\s*1\s*"
@@ -135,6 +135,10 @@ _SAME |= dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\u
 _SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our own
 _SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
 _SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
+# Macros of brackets, and roots with an empty degree.
+_SIGNS = {"\\langle": "(", "\\rangle": ")", "\\lbrack": "[", "\\rbrack": "]", "\\sqrt[]": "\\sqrt"}
+_MACRO = re.compile("|".join(map(re.escape, _SIGNS)))
+_DOT_WORD = re.compile(r"\\(?:textrm|mathrm|text)\{(?P<letter>[a-z])dot\}")  # \textrm{qdot}_1, a rate
 _PLAIN = {ord(sign): same for sign, same in _SAME.items()}
 
 
@@ -148,11 +152,12 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ").replace("\\&", " ,")
     text = _SCRIPT_L.sub(lambda m: "L".rjust(len(m[0])), text).replace("\\dot{\\partial}", "\\partial\\dot ")
     text = _DEPENDENT.sub(lambda m: m["kept"].ljust(len(m[0])), _SOLUTION.sub(_of_solution, text))
-    text = text.replace("\\langle", "(      ").replace("\\rangle", "      )")
+    text = _MACRO.sub(lambda m: _SIGNS[m[0]].rjust(len(m[0])), text)
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = re.sub(r"(\\(?:var)?theta) ([1-9])(?![0-9.])", r"\1_\2", text)  # a name, not a product
     text = re.sub(r"(?<=[0-9}])\[([RTA])\]", r"  \1", text)  # ^0_3[R]
-    text = _POINTED.sub(_times, text)
+    text = _DOT_WORD.sub(lambda m: rf"\dot{{{m['letter']}}}".ljust(len(m[0])), text)
+    text = _POINTED.sub(_times, re.sub("<?=+>", lambda m: ";".rjust(len(m[0])), text))
     text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
     text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
     text = _BAR.sub(lambda m: f" {m['in'] or m['bare']}'".ljust(len(m[0])), text)

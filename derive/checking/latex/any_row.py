@@ -1,0 +1,78 @@
+r"""The transform of any row of the table, with letters: ``A_i = [...]`` by theta_i, d_i, a_i and alpha_i."""
+
+import re
+from collections.abc import Iterator, Sequence
+from contextlib import suppress
+from itertools import permutations
+from math import cos, sin
+
+import numpy as np
+import numpy.typing as npt
+
+from derive.checking.formulas.edits import NO_VALUE, float_value
+from derive.checking.latex.matrices import Table
+from derive.checking.latex.meanings import ALIKE
+from derive.robot.description import Convention
+from derive.robot.expression import is_constant
+
+# theta_i, alpha_{i-1} and the name c_{\theta_i} of a cosine; any other letter is a length, such as a_i, r_n and d.
+_LETTER = re.compile(
+    r"(?:(?P<function>[cs])?(?P<angle>theta|th|alpha)|(?P<length>[a-z]))(?:[ijkn](?:[-+]1)?)?", re.IGNORECASE
+)
+ANY_ROW = {
+    Convention.STANDARD: "Rz(theta) Tz(d) Tx(a) Rx(alpha)",
+    Convention.MODIFIED: "Rx(alpha) Tx(a) Rz(theta) Tz(d)",
+}
+_ANGLES = {"theta": 0.7, "th": 0.7, "alpha": 1.1}  # any ones
+_LENGTHS = (1.3, 0.4)
+
+
+def misprints(table: Table, letters: Sequence[str], convention: Convention) -> list[tuple[int, int]] | None:
+    """The entry, from 1, in which a matrix differs from that of any row, if one does; None of something else."""
+    if table.shape not in ((4, 4), (3, 3)):
+        return None
+    found = list[list[tuple[int, int]]]()
+    for values, step in _ways(letters, convention):
+        with suppress(*NO_VALUE):
+            printed = np.reshape([float_value(entry.formula, values) for entry in table.entries], table.shape)
+            differing = np.argwhere(np.abs(printed - step[: len(table.rows), : len(table.rows)]) > ALIKE)
+            found.append([(int(i) + 1, int(j) + 1) for i, j in differing])
+    best = min(found, key=len, default=None)
+    if best and (len(best) > 1 or is_constant(table.rows[best[0][0] - 1][best[0][1] - 1].formula)):
+        return None
+    return best
+
+
+def _ways(letters: Sequence[str], convention: Convention) -> Iterator[tuple[dict[str, float], npt.NDArray[np.float64]]]:
+    """Values of the letters, and the transform with them, in which is zero what has no letter."""
+    matches = {letter: match for letter in letters if (match := _LETTER.fullmatch(letter))}
+    lengths = sorted({match["length"] for match in matches.values() if match["length"]})
+    angles = {
+        match["angle"].lower()[0]: _ANGLES[match["angle"].lower()] for match in matches.values() if match["angle"]
+    }
+    if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS):
+        return
+    of_function = {"c": cos, "s": sin, "": float}
+    values = {
+        letter: of_function[(match["function"] or "").lower()](_ANGLES[match["angle"].lower()])
+        for letter, match in matches.items()
+        if match["angle"]
+    }
+    turn, twist = _turned(angles["t"], 0, 1), _turned(angles.get("a", 0.0), 1, 2)
+    for chosen in permutations(_LENGTHS, len(lengths)):  # Khalil's d is our a, his r our d
+        of_length = dict(zip(lengths, chosen, strict=True))
+        own = {letter: of_length[match["length"]] for letter, match in matches.items() if match["length"]}
+        for along_x, along_z in permutations([*chosen, 0.0, 0.0][:2]):
+            shift_x, shift_z = np.eye(4), np.eye(4)
+            shift_x[0, 3], shift_z[2, 3] = along_x, along_z
+            standard = turn @ shift_z @ shift_x @ twist
+            step = standard if convention is Convention.STANDARD else twist @ shift_x @ turn @ shift_z
+            yield {f"?{letter}": value for letter, value in (values | own).items()}, step
+
+
+def _turned(angle: float, i: int, j: int) -> npt.NDArray[np.float64]:
+    """A turn from axis i to axis j, counted from 0."""
+    found = np.eye(4)
+    found[i, i] = found[j, j] = cos(angle)
+    found[j, i], found[i, j] = sin(angle), -sin(angle)
+    return found
