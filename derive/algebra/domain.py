@@ -109,6 +109,17 @@ class PolynomialDomain:
         """S of coupled joints, a row for each joint and a column for each variable."""
         return coupling(self.robot, self.constant)
 
+    @cached_property
+    def _turning(self) -> dict[int, list[Polynomial]]:
+        """For each joint with generators the derivatives, by the variables, of the sum of angles that these are of."""
+        turning = {}
+        for i, members in enumerate(self.angles):
+            if members and i not in self._same:
+                signs = [self.directions[members[0]] * self.directions[m] for m in members]
+                rows = [[sign * entry for entry in self.coupling[m]] for sign, m in zip(signs, members, strict=True)]
+                turning[i] = [sum(column, self.ring.zero) for column in zip(*rows, strict=True)]
+        return turning
+
     def _needed_generators(self, rates: bool) -> Iterator[Generator]:
         """Those that a relation eliminates come before those that replace them."""
         atoms, joints = self.atoms, self.robot.joints
@@ -131,7 +142,7 @@ class PolynomialDomain:
             yield from (eliminated for eliminated, _ in pairs)
             yield from (kept for _, kept in pairs)
         slid = {name for joint in joints if not joint.is_revolute for name, _ in drives(joint)}
-        for i, mover in enumerate((*self.robot.variables, *self.robot.passive)):  # passive joints behind all variables
+        for i, mover in enumerate(self.robot.movers):  # passive joints behind all variables
             if mover.variable in slid:
                 yield Generator(Kind.VARIABLE, mover.variable, Name(mover.variable), i)
         known = set(slid)
@@ -317,29 +328,12 @@ class PolynomialDomain:
 
     # -- calculus
 
-    def derivative(self, p: Polynomial, joint: int) -> Polynomial:
+    def derivative(self, p: Polynomial, variable: int) -> Polynomial:
         """The partial derivative with respect to a variable."""
-        if self.robot.coupled:
-            return self._coupled_derivative(p, joint)
-        if not self.robot.joints[joint].is_revolute:
-            return p.partial(self.places[Kind.VARIABLE, joint])
-        # chain rule: every sine and cosine whose angle sums this joint changes with it, by +1 or -1
-        total = self.ring.zero
-        for i, members in enumerate(self.angles):
-            if joint in members:
-                cosine, sine = self._generator_pair(i)
-                by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
-                direction = self.directions[members[0]] * self.directions[joint]
-                total = total + direction * (by_sine * cosine - by_cosine * sine)
-        return total
-
-    def _coupled_derivative(self, p: Polynomial, variable: int) -> Polynomial:
-        place, total = self.places.get((Kind.VARIABLE, variable)), self.ring.zero
-        total = total if place is None else p.partial(place)
-        for i, members in enumerate(self.angles):
-            # d/dq of the sum of joint angles that a generator stands for
-            factors = (self.directions[members[0]] * self.directions[m] * self.coupling[m][variable] for m in members)
-            if members and i not in self._same and (factor := sum(factors, self.ring.zero)):
+        place = self.places.get((Kind.VARIABLE, variable))
+        total = self.ring.zero if place is None else p.partial(place)
+        for i, factors in self._turning.items():
+            if factor := factors[variable]:
                 cosine, sine = self._generator_pair(i)
                 by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
                 total = total + factor * (by_sine * cosine - by_cosine * sine)

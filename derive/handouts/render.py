@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from derive.errors import QuantityError, TargetError, listed, near_miss, quoted
 from derive.handouts.assemble import context_of, document, sections_of
 from derive.handouts.exercise import exercise, solutions
-from derive.handouts.figure.writers import PREAMBLE, latex_drawing
+from derive.handouts.figure.writers import latex_drawing
 from derive.handouts.layout.flow import breakable, matrix_equation, whole_equations
 from derive.handouts.layout.quantity import Item, LaidOut, Namer
 from derive.handouts.notation.pieces import Box, italic, script
@@ -260,7 +260,7 @@ def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, versi
         packages="".join(f"\\usepackage{{{package}}}" for package in ("amsmath", *(["graphicx"] if is_drawn else []))),
         columns=columns if columns > _WIDEST else 0,
         width=width,
-        preamble=PREAMBLE.rstrip() if is_drawn else "",
+        is_drawn=is_drawn,
         has_tables=any(isinstance(block, sheet.Table) for block in blocks),
     )
     return heading + written + _macro("ending")

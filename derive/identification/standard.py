@@ -26,8 +26,7 @@ from derive.identification.regression import Estimate
 from derive.mechanics.chain import Domain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.vectors import S, Symmetric, steiner
-from derive.model.identification.base_parameters import BaseSet, base_set
-from derive.model.identification.parameter_values import base_values, standard_values
+from derive.model.identification.base_parameters import BaseSet, base_set, base_values, standard_values
 from derive.model.identification.possible import MARGIN, pseudo_inertias
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
 from derive.robot import inertial_parameters, tree

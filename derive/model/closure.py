@@ -163,7 +163,7 @@ class Closure:
 def find_closure(model: KinematicModel) -> Closure:
     """The loops of a robot in the notation of a model."""
     robot, domain, loops, found = model.robot, model.domain, linkage(model.robot), list[LoopClosure | IteratedClosure]()
-    variables = {sympy.Symbol(joint.variable) for joint in (*robot.variables, *robot.passive)}
+    variables = {sympy.Symbol(joint.variable) for joint in robot.movers}
     for k, one in enumerate(loops):
         moving = slopes(robot, one, domain)
         both = {**moving.first, **moving.second}

@@ -340,7 +340,7 @@ class DynamicModel(KinematicModel):
         Of each link mass, first moments and inertia about the origin of its DH frame, ten whether the file gives them
         or not; of its joint rotor mass and inertia, armature and friction where the file gives them.
         """
-        from derive.model.identification.parameter_values import standard_values
+        from derive.model.identification.base_parameters import standard_values
 
         values = standard_values(self.robot, self.standard_set, self.domain)
         return sympy.ImmutableMatrix([self.form.dynamic(value) for value in values])
@@ -353,7 +353,7 @@ class DynamicModel(KinematicModel):
         frame i before its a_i and alpha_i in the standard one. How the set is found and proven is in
         `derive.model.identification.base_parameters` (Gautier and Khalil 1990; Khalil and Dombre, ch. 9).
         """
-        from derive.model.identification.parameter_values import grouped_values
+        from derive.model.identification.base_parameters import grouped_values
 
         base = self.base_set
         values = grouped_values(self.robot, base, self.domain)

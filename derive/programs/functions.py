@@ -26,15 +26,6 @@ _OF_ENDS: dict[str, Any] = {"margin": POLICY.kinematics_margin, "of_end": True}
 _WRENCHES = ((kinematics.WORLD, "", "world"), (kinematics.END, "_end", "end effector"))
 
 
-def _has_regressor(robot: Robot) -> bool:
-    return robot.has_dynamics and has_regressor(robot)
-
-
-def _takes(frame: str, robot: Robot) -> bool:
-    """Whether the robot's file asks for dynamics under a wrench in such axes."""
-    return frame in robot.wrench
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FunctionRow:
     """A generated function."""
@@ -210,7 +201,7 @@ ROWS = (
         "Regressor: tau = Y pi for the standard parameters pi, friction included.",
         "a column for each of STANDARD_PARAMETERS; links' parameters in DH frames, inertia about the frame's origin",
         dynamics.regressors,
-        exists=_has_regressor,
+        exists=has_regressor,
         columns=dynamics.standard_columns,
         search=False,  # its entries share little beyond what the recursion shares
     ),
@@ -219,7 +210,7 @@ ROWS = (
         "Base regressor: tau = Y_b beta, of full column rank over all motions, friction included.",
         "a column for each of BASE_PARAMETERS, the torques that one unit of it in its joint frame takes",
         dynamics.base_regressors,
-        exists=_has_regressor,
+        exists=has_regressor,
         columns=dynamics.base_columns,
         search=False,
     ),
@@ -228,7 +219,7 @@ ROWS = (
         "Base parameters: the fewest combinations of inertial parameters that determine the torques.",
         "one for each of BASE_PARAMETERS; inverse_dynamics is base_regressor @ beta",
         dynamics.base_parameters,
-        exists=_has_regressor,
+        exists=has_regressor,
         columns=dynamics.base_columns,
     ),
     # Last, so that what is traced before does not depend on them.
@@ -299,7 +290,7 @@ ROWS = (
                 f"Joint torques and forces of a motion under a wrench in the axes of the {axes}.",
                 "B qdd + C qd + g + viscous*qd + coulomb*sign(qd) - J^T h",
                 partial(dynamics.torques_under_wrench, frame),
-                exists=partial(_takes, frame),
+                exists=lambda robot, frame=frame: frame in robot.wrench,
                 margin=POLICY.dynamics_margin,
             ),
             _row(
@@ -307,7 +298,7 @@ ROWS = (
                 f"Joint accelerations under given torques, forces and a wrench in the axes of the {axes}.",
                 "solution of tau = B qdd + C qd + g + friction - J^T h",
                 partial(dynamics.accelerations_under_wrench, frame),
-                exists=partial(_takes, frame),
+                exists=lambda robot, frame=frame: frame in robot.wrench,
                 without_value=dynamics.no_accelerations,
             ),
             _row(
@@ -315,7 +306,7 @@ ROWS = (
                 f"Derivatives of inverse_dynamics_wrench{suffix} with respect to q.",
                 f"row i, column j: d tau_i / d q_j at constant qd, qdd and h, h in the axes of the {axes}",
                 partial(dynamics.slopes_under_wrench, frame),
-                exists=lambda robot, frame=frame: _takes(frame, robot) and robot.n <= POLICY.most_derivatives,
+                exists=lambda robot, frame=frame: frame in robot.wrench and robot.n <= POLICY.most_derivatives,
             ),
         )
     ),

@@ -107,6 +107,12 @@ class Function:
         return self.tape.operations
 
     @property
+    def described(self) -> tuple[tuple[str, str, int], ...]:
+        """Its arguments in words, each with the number of its entries, 0 where it has one per joint."""
+        widths = {**WIDTHS, **self.widths}
+        return tuple((name, ARGUMENTS[name], widths.get(name, 0)) for name in self.arguments if name in ARGUMENTS)
+
+    @property
     def notes(self) -> tuple[str, ...]:
         """Formulation and cost, for a docstring."""
         lines = [f"{self.formulation[0].upper()}{self.formulation[1:]}: {cost_text(self.operations)}."]

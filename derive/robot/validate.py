@@ -205,7 +205,7 @@ _REAL = "allowed: expressions with a finite real value"
 def validate(document: Document, cells: Cells, robot: Description) -> None:
     """Refuse a robot whose parts contradict each other."""
     _check_derived_names(document, cells, robot)
-    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
+    variables = {joint.variable for joint in robot.movers}
     for path, expression in located_expressions(robot):
         if moving := [name for name in names(expression) if name in variables]:
             found = f"joint variable '{moving[0]}'"
@@ -263,7 +263,7 @@ def _check_rods(document: Document, robot: Description, values: Mapping[str, flo
 
 def _check_derived_names(document: Document, cells: Cells, robot: Description) -> None:
     """Velocities and accelerations get names of their own; nothing else may have them."""
-    taken: dict[str, str] = {joint.variable: "joint variable" for joint in (*robot.variables, *robot.passive)}
+    taken: dict[str, str] = {joint.variable: "joint variable" for joint in robot.movers}
     taken |= {name: "symbol" for name in cells.first_use if name not in taken}
     places = [("variables",)] * robot.dof if robot.coupled else joint_places(robot)
     # Passive joints are variables of the arm that their loop is solved as.
@@ -302,7 +302,7 @@ def _check_coupling(document: Document, robot: Description, trials: Iterable[Map
 
 def _check_symbols(document: Document, cells: Cells, robot: Description) -> None:
     """Parameters and run-time parameters are symbols that some cell uses, the latter named once."""
-    variables = {joint.variable for joint in (*robot.variables, *robot.passive)}
+    variables = {joint.variable for joint in robot.movers}
     symbols = cells.first_use.keys() - variables
     for name, _ in robot.parameters:
         path: KeyPath = ("parameters", name)

@@ -136,9 +136,7 @@ def _variable(variable: description.Variable, robot: description.Description) ->
 def _row(row: description.Joint | description.FixedRow, above: str, robot: description.Description) -> Iterator[str]:
     """Type and cells of a row in the order of the convention; what is zero or goes without saying is left out."""
     yield f"type: {row.type.value if isinstance(row, description.Joint) else description.FIXED}"
-    if isinstance(row, description.Joint) and any(
-        row.variable == each.variable for each in (*robot.variables, *robot.passive)
-    ):
+    if isinstance(row, description.Joint) and row.variable in {mover.variable for mover in robot.movers}:
         yield f"q: {row.variable}"
     if isinstance(row, description.Joint) and row.follows:
         yield "passive: true"

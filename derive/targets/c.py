@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 from derive.programs.program import ARGUMENTS, DAMPING, GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, InverseSearch
 from derive.programs.tape.tape import PARAMETER, Layer, Op, Output, Tape
-from derive.robot.options.solution_policy import POLICY
 from derive.robot.robot import Robot
 from derive.targets.escape import c_comment, c_prefix
 from derive.targets.kernel import TRIGONOMETRIC, C, CodePiece, input_name, write_statements
@@ -82,7 +81,10 @@ def c_function(function: Function, parameters: Sequence[str], more_constants: in
         "prototype": pointers(inputs, "result"),  # the same in the header
         "block_declaration": pointers([*used, *hoisted], "result", "restrict "),  # of the function of one block
         "block_call": ", ".join([*(f"{argument}_block" for argument in used), *hoisted, "result_block"]),
-        "documentation": _documentation(function, len(constants.results)),  # lines of its comment
+        "wording": function.interface,  # what its comment says: summary, symbol and result
+        "described": function.described,  # arguments
+        "shape": shape_text(function.shape) + ", row by row" * (len(function.shape) > 1),
+        "notes": function.notes,  # how it is computed
     }
 
 
@@ -115,27 +117,6 @@ def _static_function(part: CodePart, output: str, lanes: str, *, step: bool = Tr
         "body": (*reads, *part.body),
         "results": tuple(f"{_entry(output, i)} = {text};" for i, text in enumerate(part.results)),
     }
-
-
-def _documentation(function: Function, constant_count: int) -> tuple[str, ...]:
-    wording = function.interface
-    layout = ", row by row" if len(function.shape) > 1 else ""
-    widths = {**WIDTHS, **function.widths}
-    constants = f"@param[in]  k       {constant_count} constants from {function.name}_constants()."
-    return (
-        wording.summary,
-        "",
-        *(
-            f"@param[in]  {name}       {ARGUMENTS[name]}, "
-            + (f"{widths[name]} entries." if name in widths else "one entry per joint.")
-            for name in function.arguments
-            if name in ARGUMENTS
-        ),
-        *([constants] if constant_count else []),
-        f"@param[out] result  {wording.symbol}, {shape_text(function.shape)}{layout}: {wording.result}.",
-        "",
-        *function.notes,
-    )
 
 
 def _three_parts(tape: Tape, parameters: Sequence[str]) -> tuple[CodePart, CodePart, CodePart]:
@@ -273,38 +254,12 @@ def c_inverse(inverse: Inverse | InverseSearch, source: Source) -> dict[str, Any
         "alone_call": ", ".join("start" if name == NEAR else name for name in [*inputs, "q"]),
         "beside_call": ", ".join([*("moved" if name == POSE else name for name in inputs), "values"]),
         "row_call": ", ".join([*rows, *hoisted]),  # inputs of a call for one row of a batch
-        "documentation": _inverse_documentation(inverse, robot, function["constant_count"]),
+        "count": inverse.summary,  # how many solutions there are
+        "given_words": ", ".join(c_comment(robot.joints[i].variable) for i in inverse.given),
+        "joints": inverse.joints,
+        "order": tuple(map(c_comment, inverse.order)) if isinstance(inverse, Inverse) else (),
         "search": c_search(inverse, robot) if isinstance(inverse, InverseSearch) else None,
     }
-
-
-def _inverse_documentation(inverse: Inverse | InverseSearch, robot: Robot, constant_count: int) -> tuple[str, ...]:
-    interface, names = inverse.function.interface, [robot.joints[i].variable for i in inverse.given]
-    far = POLICY.texts["far"]
-    constants = f"@param[in]  k       {constant_count} constants from inverse_kinematics_constants()."
-    near = (
-        "where joints are that are free at a pose, a configuration; NULL for zeros. If the others",
-        "have no solution with them there, they are elsewhere.",
-    )
-    if isinstance(inverse, InverseSearch):
-        near = ("not looked at: at poses with infinitely many solutions some are returned;", "it may be NULL.")
-    return (
-        interface.summary,
-        "",
-        inverse.summary,
-        f"T must be a pose: its rotation is not checked. Where an entry is not finite, or beyond {far}, none exists.",
-        "",
-        "@param[in]  T       pose of the end effector in the world frame, 4 x 4, row by row.",
-        *([f"@param[in]  given   variables of {', '.join(map(c_comment, names))}."] if names else []),
-        f"@param[in]  near    {near[0]}",
-        f"                    {near[1]}",
-        *([constants] if constant_count else []),
-        f"@param[out] q       joint variables, {inverse.branches} x {inverse.joints}: {interface.result}.",
-        f"@param[out] status  what each branch is, {inverse.branches}; may be NULL.",
-        "@return the number of solutions.",
-        "",
-        *((*map(c_comment, inverse.order), *inverse.function.notes) if isinstance(inverse, Inverse) else ()),
-    )
 
 
 def c_search(search: InverseSearch, robot: Robot) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from derive.programs.program import ARGUMENTS, GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, Program
+from derive.programs.program import GIVEN, NEAR, POSE, WIDTHS, Function, Inverse, Program
 from derive.robot.robot import Robot
 from derive.targets.escape import javascript_comment, javascript_string
 from derive.targets.kernel import JAVASCRIPT, Kernel, entry_names, rows_of, wrapped, write_kernel
@@ -53,21 +53,14 @@ def _body_context(robot: Robot, program: Program) -> dict[str, object]:
 def _function(function: Function, parameters: Sequence[str], joints: int) -> dict[str, object]:
     kernel = write_kernel(function.tape, JAVASCRIPT, parameters)
     needed = [parameters[index] for index in kernel.parameters]
-    wording, kind = function.interface, "Array" if function.shape else "number"
-    lines = (
-        wording.summary,
-        "",
-        *(f"@param {{number[]}} {name} {ARGUMENTS[name]}." for name in function.arguments if name in ARGUMENTS),
-        "@param {Object|number[]} [params] Numbers of the free parameters.",
-        f"@returns {{{kind}}} {wording.symbol}, {shape_text(function.shape)}: {wording.result}.",
-        "",
-        *function.notes,
-    )
     return {
         "name": camel_case(function.name),
         "label": javascript_string(camel_case(function.name)),  # its name as a string literal
         "signature": ", ".join((*function.arguments, "params")),
-        "documentation": tuple(f" * {line}".rstrip() for line in lines),  # lines of its comment
+        "wording": function.interface,  # what its comment says: summary, symbol and result
+        "described": function.described,  # arguments
+        "shape": shape_text(function.shape),
+        "notes": function.notes,  # how it is computed
         "parameters": wrapped([javascript_string(name) for name in needed]),  # those that it needs, if any
         "unpack_parameters": wrapped([f"p_{name}" for name in needed]),  # lines that name them
         "hoisted": kernel.hoisted,  # statements on parameters alone
@@ -82,23 +75,6 @@ def _function(function: Function, parameters: Sequence[str], joints: int) -> dic
 
 def _inverse(inverse: Inverse, parameters: Sequence[str], robot: Robot) -> dict[str, object]:
     function = inverse.function
-    names = [javascript_comment(robot.joints[i].label) for i in inverse.given]
-    interface, words = function.interface, ", ".join(names)
-    documentation = (
-        interface.summary,
-        "",
-        inverse.summary,
-        "",
-        "@param {number[][]} T Pose of the end effector in the world frame, 4 x 4.",
-        *([f"@param {{number[]}} given Variables of {words}."] if names else []),
-        "@param {Object|number[]} [params] Numbers of the free parameters.",
-        "@param {number[]} [near] Where joints are that are free at a pose, by default zero.",
-        f"@returns {{Object}} `q`, for each of {inverse.branches} branches the joint variables [rad, m], or null where",
-        "it does not exist, and `status`: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
-        "",
-        *map(javascript_comment, inverse.order),
-        *function.notes,
-    )
     turning = [i for i, joint in enumerate(robot.variables) if joint.is_revolute and i not in inverse.given]
     count, unpacked = len(inverse.given), ", ".join(entry_names(function, GIVEN, 0))
     given = f'const [{unpacked}] = finite("inverseKinematics", "given", given, {count});'
@@ -106,7 +82,9 @@ def _inverse(inverse: Inverse, parameters: Sequence[str], robot: Robot) -> dict[
         "kernel": _function(function, parameters, robot.dof),  # the texts of its program
         "step": _function(inverse.step, parameters, robot.dof),  # those of its Newton step
         "step_entries": tuple((n, wrapped(entry_names(inverse.step, n, robot.dof))) for n in inverse.step.arguments),
-        "documentation": tuple(f" * {line}".rstrip() for line in documentation),  # lines of its comment
+        "count": inverse.summary,  # how many solutions there are
+        "branches": inverse.branches,
+        "order": tuple(map(javascript_comment, inverse.order)),
         "entries": wrapped(entry_names(function, POSE, 0)),  # lines of the names of the entries of a pose
         "near_entries": wrapped(entry_names(function, NEAR, 0)),  # lines of those of ``near``
         "size": inverse.branches * inverse.joints,  # joint variables of all branches
@@ -116,7 +94,7 @@ def _inverse(inverse: Inverse, parameters: Sequence[str], robot: Robot) -> dict[
         "unpack_given": (given,) if count else (),  # statements that check their variables and name them
         "given_of_q": ", ".join(f"q[{i}]" for i in inverse.given),  # their variables in a configuration
         "turning": ", ".join(map(str, turning)),  # revolute joints that are not given, from 0
-        "nearest_given": f"; {words} stay there" if names else "",  # what `q` says besides
+        "given_words": ", ".join(javascript_comment(robot.joints[i].label) for i in inverse.given),
     }
 
 

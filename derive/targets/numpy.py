@@ -22,12 +22,6 @@ if TYPE_CHECKING:
 FILE = "model_numpy.py"
 
 _WRENCH_OPTIONS = ("*", "wrench=None", 'wrench_frame="world"')
-_WRENCH_WORDS = (
-    f"    wrench: {ARGUMENTS['h']}, (..., {WIDTHS['h']}):",
-    "        tau = B qdd + C qd + g + friction - J^T wrench. Derivatives are at a constant wrench.",
-    '    wrench_frame: Its axes, "world" or "end", those of the end effector.',
-)
-
 _SHORT = 100  # longest constant that stands on one line
 
 
@@ -90,6 +84,7 @@ def python_context(source: Source) -> dict[str, object]:
         "nearest_is_compiled": False,
         "functions": [_python_function(f, program.parameters, robot.dof, felt.get(f.name, ())) for f in program],
         "has_felt": bool(felt),
+        "wrench": ARGUMENTS["h"],  # what a wrench is, in words
         "functions_of_ends": [{"name": name, "arguments": arguments} for name, arguments in of_ends.items()],
         "ends": [end.name for end in robot.ends],
     }
@@ -116,7 +111,6 @@ def _python_function(
         "arguments_tuple": _tuple(function.arguments),  # the names of its arguments, as the inside of a tuple
         "argument_names": _tuple([f'"{name}"' for name in function.arguments]),
         "core": _core([function.width(name, joints) for name in function.arguments], function.shape),
-        "symbol": function.interface.symbol,  # how the notes write its result
         "shape": str(function.shape),  # as a Python tuple
         "is_scalar": not function.shape,  # whether the result is one number
         "parameter_places": wrapped([str((listed or parameters).index(parameters[i])) for i in kernel.parameters]),
@@ -128,8 +122,10 @@ def _python_function(
         "body": kernel.body,
         "results": tuple(row for columns in rows_of(kernel.results, length) for row in wrapped(columns)),
         "calls": kernel.calls,  # whether sines and the like occur in the statements or results
-        "summary": function.interface.summary,  # first line of the docstring
-        "documentation": _documentation(function, *(_WRENCH_WORDS if felt else ())),
+        "wording": function.interface,  # what its docstring says: summary, symbol and result
+        "described": function.described,  # arguments
+        "batch": ", ".join(("...", *map(str, function.shape))),  # the shape of its result for a batch
+        "notes": function.notes,  # how it is computed
         "operations": str(function.operations.as_dict()).replace("'", '"'),  # counts as a Python dictionary
     }
 
@@ -139,13 +135,11 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
     if inverse is None:
         return None
     names = [robot.joints[i].label for i in inverse.given]
-    interface, words = inverse.function.interface, ", ".join(map(python_docstring, names))
     search, parameters = inverse if isinstance(inverse, InverseSearch) else None, free_symbols(robot)
     texts = partial(_python_function, parameters=parameters, joints=robot.n, listed=listed)
     return {
         "kernel": texts(inverse.function),  # the texts of its program
         "step": texts(inverse.step) if isinstance(inverse, Inverse) else None,
-        "summary": interface.summary,  # first line of the docstring
         "count": inverse.summary,  # how many solutions there are
         "branches": inverse.branches,
         "core": _core(["4,4", *[len(names)] * bool(names)], (inverse.branches, robot.dof)),
@@ -153,12 +147,8 @@ def _inverse(inverse: Inverse | InverseSearch | None, robot: Robot, listed: Sequ
         "around": inverse.around if isinstance(inverse, Inverse) else None,  # where further solutions are looked for
         "given_names": _tuple([python_string(name) for name in names]) if names else "",
         "given_joints": _tuple([str(i) for i in inverse.given]) if names else "",
-        "given_words": f"Variables of {words}, (..., {len(names)})"
-        if names
-        else "Nothing, since all joints are solved for",
-        "nearest_given": f"; {words} stay there" if names else "",  # what `q` says besides
-        "result": interface.result,  # what the entries of the result are
-        "notes": () if search else inverse.function.notes,
+        "given_words": ", ".join(map(python_docstring, names)),
+        "given_count": len(names),
         "order": tuple(map(python_docstring, inverse.order)) if isinstance(inverse, Inverse) else (),
         "is_search": search is not None,  # whether the kernel gives the arm's frames alone, and numbers are searched
         "entries": repr(search.entries) if search else "",  # the entries of T that are wanted, as a tuple
@@ -186,29 +176,6 @@ def _unpacking(names: Sequence[str], source: str) -> str:
     if len(lines := textwrap.wrap(", ".join(names) + ",", LINE_WIDTH)) == 1:
         return f"{lines[0][:-1]} = {source}" if len(names) > 1 else f"({lines[0]}) = {source}"
     return "\n".join(["(", *(f"        {line}" for line in lines), f"    ) = {source}"])
-
-
-def _documentation(function: Function, *options: str) -> tuple[str, ...]:
-    wording = function.interface
-    shape = ", ".join(("...", *map(str, function.shape)))
-    lines = (
-        "Args:",
-        *(
-            f"    {k}: {ARGUMENTS[k]}, (..., {function.widths.get(k, WIDTHS.get(k, 'n'))})."
-            for k in function.arguments
-            if k in ARGUMENTS
-        ),
-        "    params: Numbers of the free parameters; see the module's docstring.",
-        "    out: Where to write the result, if not to a new array.",
-        *options,
-        "",
-        "Returns:",
-        f"    {wording.symbol}, ({shape}):",
-        f"    {wording.result}.",
-        "",
-        *function.notes,
-    )
-    return tuple(f"    {line}" if line else "" for line in lines)
 
 
 def _core(widths: Sequence[int | str], shape: Sequence[int]) -> str:

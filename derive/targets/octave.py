@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from derive.programs.program import ARGUMENTS, GIVEN, POSE, Function, Inverse, Program
+from derive.programs.program import GIVEN, POSE, Function, Inverse, Program
 from derive.programs.tape.tape import BRANCHING_NAMES, PARAMETER, Layer, Op
 from derive.robot.robot import Robot
 from derive.targets.escape import matlab_package, matlab_string, matlab_symbol, one_line
@@ -19,16 +19,13 @@ from derive.targets.kernel import OCTAVE, entry_names, input_name, wrapped, writ
 from derive.targets.target import Source, Target, bound_text, heading, joint_bounds, joint_limits, shape_text
 from derive.targets.templating import render
 
-_WIDE = "x N"  # how the shape of a batch ends
-_PARAMS = "params: numbers of the free parameters, a struct by name or a vector in the order of those of model()."
-
 
 def render_octave(source: Source) -> dict[str, str]:
     """The package ``+robot``."""
     robot, program = source.robot, source.program
     folder, package = package_folder(robot), matlab_package(robot.name)
-    functions = tuple(_function(function, program.parameters, robot, package) for function in program)
-    inverse = _inverse(program.inverse, program, robot, package) if program.inverse else None
+    functions = tuple(_function(function, program.parameters, robot) for function in program)
+    inverse = _inverse(program.inverse, program, robot) if program.inverse else None
     context = heading(source, one_line) | {
         "package": package,
         "revolute": ", ".join("true" if joint.is_revolute else "false" for joint in robot.variables),
@@ -77,7 +74,7 @@ def _constants(robot: Robot, program: Program) -> tuple[tuple[str, tuple[str, ..
     return tuple((name, wrapped([matlab_string(text) for text in texts], " ...")) for name, texts in lists.items())
 
 
-def _function(function: Function, parameters: Sequence[str], robot: Robot, package: str) -> dict[str, Any]:
+def _function(function: Function, parameters: Sequence[str], robot: Robot) -> dict[str, Any]:
     tape = function.tape
     kernel = write_kernel(tape, OCTAVE, [matlab_symbol(name, k) for k, name in enumerate(parameters, 1)])
     needed = [parameters[index] for index in kernel.parameters]
@@ -95,10 +92,11 @@ def _function(function: Function, parameters: Sequence[str], robot: Robot, packa
         "heading": function.name.upper(),  # the name as help texts begin with it, in capitals
         "result": re.sub(r"\W", "_", function.interface.symbol),  # the variable that is returned, ``B``
         "signature": ", ".join((*function.arguments, *(["params"] if parameters else []))),
-        "summary": function.interface.summary,  # first line of its help
-        "documentation": _documentation(function, package, robot.dof, parameters)
-        if POSE not in function.widths
-        else (),
+        "wording": function.interface,  # what its help says: summary, symbol and result
+        "described": function.described,  # arguments
+        "notes": function.notes,  # how it is computed
+        "shape": shape_text((*extent, 1) if len(extent) == 1 else extent),
+        "wide_shape": shape_text(extent or (1,)),  # what is before the number of configurations in that of a batch
         "arguments": ", ".join(function.arguments),
         "rows": f"[{', '.join(map(str, widths))}]" if len(set(widths)) > 1 else robot.dof,  # entries of the arguments
         "params_place": len(function.arguments) + 1,  # place of the argument ``params``
@@ -143,53 +141,20 @@ def _unpacked(function: Function, joints: int) -> tuple[str, ...]:
     return tuple(lines)
 
 
-def _nearest_documentation(names: Sequence[str], program: Program, robot: Robot, package: str) -> tuple[str, ...]:
-    params = ["params"] if program.parameters else []
-    return (
-        f"q = {package}.inverse_kinematics_nearest({', '.join([POSE, 'near', *params])}) is the solution nearest to",
-        f"the configuration near, {robot.n} x 1, within the limits of the joints, full turns included; not a number",
-        f"where there is none. Of poses 4 x 4 x N it is {robot.n} {_WIDE}; near is {robot.n} x 1 or {robot.n} {_WIDE}."
-        + (f" {', '.join(names)} stay there." if names else ""),
-        "[q, status] says, too, what it is: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
-        "",
-        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *([_PARAMS] if program.parameters else []),
-    )
-
-
-def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> dict[str, Any]:
+def _inverse(inverse: Inverse, program: Program, robot: Robot) -> dict[str, Any]:
     names = [one_line(robot.joints[i].label) for i in inverse.given]
     inputs = [*([GIVEN] if names else []), *(["params"] if program.parameters else [])]
-    size, count = f"{robot.n} x {inverse.branches}", len(names)
-    call = ", ".join([POSE, *inputs])
-    documentation = (
-        f"q = {package}.inverse_kinematics({call}) has a column for each branch, {size}; with poses",
-        f"4 x 4 x N it is {size} {_WIDE}. A branch that does not exist is not a number.",
-        f"[q, status] = {package}.inverse_kinematics({call}) says, too, what each branch is, {inverse.branches} x 1 or",
-        f"{inverse.branches} {_WIDE}: 0 none, 1 exact, 2 on the boundary, 3 with joints that are free.",
-        f"q = {package}.inverse_kinematics({call}, near) has free joints where the configuration near has them, by",
-        "default at zero.",
-        "",
-        inverse.summary,
-        "",
-        "T: pose of the end effector in the world frame, 4 x 4 or 4 x 4 x N.",
-        *([f"given: variables of {', '.join(names)}, {count} x 1 or {count} {_WIDE}."] if names else []),
-        *([_PARAMS] if program.parameters else []),
-        "",
-        *map(one_line, inverse.order),
-        *inverse.function.notes,
-    )
     turning = ["true" if j.is_revolute and i not in inverse.given else "false" for i, j in enumerate(robot.variables)]
     return {
-        "kernel": _function(inverse.function, program.parameters, robot, package),  # the texts of its program
-        "step": _function(inverse.step, program.parameters, robot, package),  # those of its Newton step
-        "summary": inverse.function.interface.summary,
-        "documentation": documentation,  # lines of its help
-        "nearest_documentation": _nearest_documentation(names, program, robot, package),
+        "kernel": _function(inverse.function, program.parameters, robot),  # the texts of its program
+        "step": _function(inverse.step, program.parameters, robot),  # those of its Newton step
+        "count": inverse.summary,  # how many solutions there are
+        "order": tuple(map(one_line, inverse.order)),
         "branches": inverse.branches,
         "closed": repr(inverse.closed),  # error of the pose of a branch in doubt up to which it is a solution
         "around": inverse.around,  # where further solutions are looked for
-        "given_count": count,  # number of given joints
+        "given_count": len(names),  # number of given joints
+        "given_words": ", ".join(names),
         "given": ", ".join(str(i + 1) for i in inverse.given),  # places of the given joints, from 1
         "turning": ", ".join(turning),  # which joints turn and are not given
         "inputs": "".join(f", {name}" for name in inputs),  # arguments behind ``T``, each with a comma before it
@@ -199,25 +164,3 @@ def _inverse(inverse: Inverse, program: Program, robot: Robot, package: str) -> 
         "error_place": robot.n + 1,  # where a step has the error
         "unit_place": robot.n + 2,  # where it has the unit of length
     }
-
-
-def _documentation(function: Function, package: str, joints: int, parameters: Sequence[str]) -> tuple[str, ...]:
-    wording = function.interface
-    _, extent = _column_major(function.shape)
-    shape = shape_text((*extent, 1) if len(extent) == 1 else extent)
-    batch = f"{shape_text((*extent, 1)) if not extent else shape_text(extent)} {_WIDE}"
-    call = ", ".join((*function.arguments, *(["params"] if parameters else [])))
-    symbol = re.sub(r"\W", "_", wording.symbol)
-    size = f"{shape}; {batch} for N configurations" if function.arguments else shape
-    return (
-        f"{symbol} = {package}.{function.name}({call}) is {size}:",
-        f"{wording.symbol}: {wording.result}.",
-        "",
-        *(
-            f"{name}: {ARGUMENTS[name]}, {(width := function.width(name, joints))} x 1, or {width} {_WIDE}."
-            for name in function.arguments
-        ),
-        *([_PARAMS] if parameters else []),
-        "",
-        *function.notes,
-    )

@@ -15,6 +15,7 @@ import numpy as np
 from derive.errors import VerificationError
 from derive.interrupts import TemporaryFolder, uninterrupted
 from derive.targets.compiler import Command, find_command
+from derive.targets.templating import render
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
@@ -23,52 +24,6 @@ NAMES = ("octave-cli", "octave")  # looked for in this order where ``$OCTAVE`` i
 OPTIONS = ("--norc", "--no-history", "--quiet", "--no-gui")  # nobody's settings, no trace, no window
 SECONDS = 600  # longest call
 FIRST_FILE = "link_transforms.m"  # every package of ours has it
-# Reads a name, arguments and how many results are wanted, and writes a message and the results, all as doubles.
-SERVER = """
-1;
-function value = received()
-  extent = fread(stdin, fread(stdin, 1, 'double'), 'double')';
-  value = reshape(fread(stdin, prod(extent), 'double'), extent);
-end
-function send(value)
-  fwrite(stdout, [ndims(value), size(value)], 'double');
-  fwrite(stdout, value, 'double');
-end
-list = argv();
-addpath(list{end});
-while true
-  head = fread(stdin, 3, 'double');
-  if numel(head) < 3
-    break
-  end
-  name = char(fread(stdin, head(1), 'double')');
-  inputs = cell(1, head(2));
-  for k = 1:head(2)
-    inputs{k} = received();
-  end
-  outputs = cell(1, head(3));
-  try
-    [outputs{:}] = feval(name, inputs{:});
-    for k = 1:head(3)
-      if isstruct(outputs{k})
-        model = outputs{k};
-        lists = {sprintf('%s,', model.parameters{:}, ''), sprintf('%s,', model.given_joints{:}, '')};
-        outputs{k} = double(sprintf('%d;%s;%s', model.dof, lists{:}));
-      elseif ~isa(outputs{k}, 'double') || ~isreal(outputs{k})
-        error('output %d is %s', k, class(outputs{k}));
-      end
-    end
-    message = '';
-  catch problem
-    message = problem.message;
-  end
-  send(double(message));
-  if isempty(message)
-    cellfun(@send, outputs);
-  end
-  fflush(stdout);
-end
-"""
 
 
 def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
@@ -185,7 +140,7 @@ def running_octave(folder: Path, octave: Command | None) -> Iterator[tuple[Octav
         return
     with TemporaryFolder() as temporary, tempfile.TemporaryFile() as said:
         script = temporary.path / "server.m"
-        script.write_text(SERVER, encoding="utf-8")
+        script.write_text(render("octave/server.m.jinja"), encoding="utf-8")
         process = subprocess.Popen(
             [*octave, *OPTIONS, str(script), str(folder.resolve())],
             stdin=subprocess.PIPE,

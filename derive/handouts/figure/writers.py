@@ -15,23 +15,9 @@ from html import escape
 from io import BytesIO
 from typing import Any
 
-from derive.errors import DeriveError, install_extra
+from derive.errors import DeriveError, optional
 from derive.handouts.figure.drawing import BLACK, LABEL_SIZE, SCRIPT_SIZE, Color, Drawing, Label, Path, label_runs
 
-# Definitions that the drawings need; no package.
-PREAMBLE = r"""\ifdefined\pdfextension
-  \providecommand{\derivepath}[1]{\pdfextension literal {#1}}
-\else\ifdefined\pdfliteral
-  \providecommand{\derivepath}[1]{\pdfliteral{#1}}
-\else
-  \providecommand{\derivepath}[1]{\special{pdf:content #1}}
-\fi\fi
-\ifdefined\XeTeXversion
-  \providecommand{\derivelabel}[2]{\special{color push rgb #1}#2\special{color pop}}
-\else
-  \providecommand{\derivelabel}[2]{\derivepath{#1 rg}#2\derivepath{0 g}}
-\fi
-"""
 LABEL_FONT = r"\fontsize{9}{11}\selectfont"
 
 _PDF_POINT = 72.0 / 72.27
@@ -165,10 +151,7 @@ _ALIGN_Y = {-1: "bottom", 0: "center", 1: "top"}
 
 def require_matplotlib() -> Any:
     """The module matplotlib, set to draw into files."""
-    try:
-        import matplotlib
-    except ImportError:
-        raise DeriveError("figures need matplotlib, which is not installed", remedy=install_extra("handout")) from None
+    matplotlib = optional("matplotlib", "figures need matplotlib", "handout", DeriveError)
     matplotlib.use("agg")
     return matplotlib
 

@@ -106,7 +106,7 @@ def variable_glyphs(robot: Robot, names: Iterable[str], options: NotationOptions
     names = tuple(names)
     chosen: dict[str, Glyph] = {}
     turning, sliding = _REVOLUTE_LETTERS.get(options.angle), _PRISMATIC_LETTERS.get(options.prismatic)
-    for mover in (*robot.variables, *robot.passive):
+    for mover in robot.movers:
         letters, label = turning if mover.is_revolute else sliding, joint_label(mover.variable)
         if letters and label:
             chosen[mover.variable] = Glyph(letters, italic(label))
@@ -136,11 +136,10 @@ class Notation:
     def of(cls, robot: Robot, options: NotationOptions | None = None, *, comma: bool = False) -> Self:
         """The notation of a robot; without options variables are written as in the robot file."""
         options = options or NotationOptions()
-        movers = (*robot.variables, *robot.passive)
-        labels = {mover.variable: joint_label(mover.variable) for mover in movers if mover.is_revolute}
+        labels = {mover.variable: joint_label(mover.variable) for mover in robot.movers if mover.is_revolute}
         uses = Counter(labels.values())
         positions = {name: (0, index) for index, name in enumerate(robot_symbols(robot))}
-        variables = [mover.variable for mover in movers]
+        variables = [mover.variable for mover in robot.movers]
         everything = dict.fromkeys((*variables, *robot_symbols(robot), *(name for name, _ in robot.parameters)))
         printed = dict.fromkeys((*everything, *limit_symbols(robot)))
         glyphs = dict(distinct(everything, variable_glyphs(robot, printed, options)))

@@ -66,7 +66,7 @@ def _variables(context: Context) -> Iterator[Block]:
     robot, glyph = context.robot, context.notation.glyph
     if not robot.coupled:
         return
-    symbols = {q.variable: glyph(q.variable).box.tex.strip() for q in (*robot.variables, *robot.passive)}
+    symbols = {q.variable: glyph(q.variable).box.tex.strip() for q in robot.movers}
     named = ", ".join(f"${symbols[variable.variable]}$" for variable in robot.variables)
     if robot.passive:
         yield context.paragraph(

@@ -6,7 +6,7 @@ from typing import Any
 
 from jinja2.environment import Template, TemplateModule
 
-from derive.handouts.figure.writers import PREAMBLE, latex_drawing
+from derive.handouts.figure.writers import latex_drawing
 from derive.handouts.layout.lines import displays
 from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
@@ -43,7 +43,6 @@ def latex(document: sheet.Document, text: Text) -> str:
         footer=latex_words(document.footer),
         landscape=any(isinstance(part, sheet.Rows) and part.landscape for part in rows),
         figures=any(isinstance(block, sheet.Figure) for block in blocks),
-        figure_preamble=PREAMBLE.rstrip(),
         sections=sections,
     )
     before, display, rest = source.rpartition(_DISPLAY)

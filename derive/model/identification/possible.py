@@ -26,8 +26,8 @@ from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
 from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
 from derive.model.identification import regressor_null_space
+from derive.model.identification.base_parameters import parameters_of
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
-from derive.model.identification.parameter_values import parameters_of
 from derive.model.identification.regressor_null_space import WIDTH, Direction, bare_chain, body_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import refusal

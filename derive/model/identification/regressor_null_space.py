@@ -21,9 +21,8 @@ from flint import fmpq
 from derive.mechanics.chain import Body, Chain, build_chain
 from derive.mechanics.joint_motion import body_to_parent
 from derive.mechanics.vectors import Symmetric
-from derive.model.identification.base_parameters import base_set
+from derive.model.identification.base_parameters import base_set, parameters_of
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero, null_space
-from derive.model.identification.parameter_values import parameters_of
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 

@@ -30,9 +30,8 @@ from derive.mechanics.floats import FloatDomain
 from derive.mechanics.joint_motion import origin, to_child
 from derive.mechanics.regressor import with_unit_rotors
 from derive.mechanics.vectors import add, scale
-from derive.model.identification.base_parameters import base_set
+from derive.model.identification.base_parameters import base_set, parameters_of
 from derive.model.identification.exact_scalars import Exact, as_fraction, is_zero, null_space
-from derive.model.identification.parameter_values import parameters_of
 from derive.model.identification.regressor_null_space import WIDTH, Direction, combined
 from derive.model.identification.semidefinite import Cone, Limit, least, packed
 from derive.model.identification.unit_dynamics import UnitDynamics

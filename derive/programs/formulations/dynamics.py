@@ -18,8 +18,7 @@ from derive.mechanics.forward_kinematics import jacobian
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
-from derive.model.identification.base_parameters import base_set
-from derive.model.identification.parameter_values import base_formulas, base_values, standard_formulas
+from derive.model.identification.base_parameters import base_formulas, base_set, base_values, standard_formulas
 from derive.programs.formulations import kinematics
 from derive.programs.formulations.choice import Formulation
 from derive.programs.formulations.frame_choice import ALL_CHOICES, CHAIN_CHOICES, FrameChoices

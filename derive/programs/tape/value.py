@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
+from operator import attrgetter
 
 from derive.algebra import constants
 from derive.algebra.angles import composed, decompose
@@ -24,6 +25,21 @@ def _operation(make: Callable[..., Ref]) -> Callable[..., Value]:
     return lambda value, *others: Value(value.graph, make(value.graph, value.ref, *map(value._other, others)))
 
 
+def _kept_operation(table: str, make: Callable[..., Ref]) -> Callable[[Value, Value | int | Fraction], Value]:
+    """The same of one other value, which is looked for in a table of the graph first."""
+    results = attrgetter(table)
+
+    def _operate(value: Value, other: Value | int | Fraction, /) -> Value:
+        graph = value.graph
+        pair = value.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
+        found: Value | None = results(graph).get(pair)
+        if found is None:
+            found = results(graph)[pair] = Value(graph, make(graph, *pair))
+        return found
+
+    return _operate
+
+
 class Value:
     """A reference into a graph with Python's operators; immutable."""
 
@@ -33,36 +49,12 @@ class Value:
         self.graph = graph
         self.ref = ref
 
-    def __add__(self, other: Value | int | Fraction, /) -> Value:
-        graph = self.graph
-        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
-        found = graph.sums.get(pair)
-        if found is None:
-            found = graph.sums[pair] = Value(graph, graph.add(*pair))
-        return found
-
-    __radd__ = __add__
-
-    def __sub__(self, other: Value | int | Fraction, /) -> Value:
-        graph = self.graph
-        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
-        found = graph.differences.get(pair)
-        if found is None:
-            found = graph.differences[pair] = Value(graph, graph.subtract(*pair))
-        return found
+    __add__ = __radd__ = _kept_operation("sums", Graph.add)
+    __sub__ = _kept_operation("differences", Graph.subtract)
+    __mul__ = __rmul__ = _kept_operation("products", Graph.multiply)
 
     def __rsub__(self, other: Value | int | Fraction, /) -> Value:
         return Value(self.graph, self.graph.subtract(self._other(other), self.ref))
-
-    def __mul__(self, other: Value | int | Fraction, /) -> Value:
-        graph = self.graph
-        pair = self.ref, other.ref if isinstance(other, Value) else graph.number(Fraction(other))
-        found = graph.products.get(pair)
-        if found is None:
-            found = graph.products[pair] = Value(graph, graph.multiply(*pair))
-        return found
-
-    __rmul__ = __mul__
 
     def __rtruediv__(self, other: Value | int | Fraction, /) -> Value:
         return Value(self.graph, self.graph.divide(self._other(other), self.ref))

@@ -15,11 +15,12 @@ from derive.handouts.figure.drawing import LABEL_HEIGHT, Drawing, Label, LabelRu
 from derive.handouts.figure.paper import AXIS_COLORS, Paper, around
 from derive.handouts.figure.scene import arm_scene
 from derive.handouts.figure.workspace_plot import workspace_bytes
-from derive.handouts.figure.writers import PREAMBLE, drawing_bytes, latex_drawing, svg_drawing
+from derive.handouts.figure.writers import drawing_bytes, latex_drawing, svg_drawing
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import DataPrinter
 from derive.handouts.parts.figure import convention_drawing
 from derive.handouts.parts.plan import COLORS, Panel, Panels
+from derive.handouts.sheet.latex_writer import latex_template
 from derive.robot.description import Convention
 from derive.robot.expression import Number
 from derive.robot.names import free_symbols
@@ -149,7 +150,8 @@ NAMES = ("scara-perugia", "puma560-corke", "human-body", "spherical-arm")
 def test_latex_needs_no_package_fits_the_page_and_has_short_lines(tmp_path: File) -> None:
     drawings = [*map(drawn, NAMES), *map(convention_drawing, Convention)]
     body = "\n\n".join(rf"\noindent {latex_drawing(drawing)}" for drawing in drawings)
-    head = f"\\documentclass{{article}}\n{PREAMBLE}\\setlength{{\\textwidth}}{{{WIDTH}pt}}\n"
+    definitions = latex_template("drawings.tex.jinja").render()
+    head = f"\\documentclass{{article}}\n{definitions}\\setlength{{\\textwidth}}{{{WIDTH}pt}}\n"
     document = f"{head}\\begin{{document}}\n{body}\n\\end{{document}}\n"
     log = run_latex(document, tmp_path)
     assert log.pages, log.faults

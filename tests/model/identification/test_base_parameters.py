@@ -19,9 +19,8 @@ from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.space import exactly
-from derive.model.identification.base_parameters import base_set
+from derive.model.identification.base_parameters import base_set, base_values, standard_values
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction, is_zero, null_space
-from derive.model.identification.parameter_values import base_values, standard_values
 from derive.model.identification.regressor_null_space import WIDTH, bare_chain, combined, directions, fixing
 from derive.model.identification.unit_dynamics import UnitDynamics
 from derive.robot.evaluate import to_float

@@ -9,8 +9,8 @@ import pytest
 from derive.errors import DeriveError
 from derive.mechanics.space import exactly
 from derive.model.identification import possible
+from derive.model.identification.base_parameters import parameters_of
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction
-from derive.model.identification.parameter_values import parameters_of
 from derive.model.identification.regressor_null_space import bare_chain, combined, directions
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
 from derive.model.identification.witness import NoSuchBodies
