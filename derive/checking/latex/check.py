@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
-from derive.checking.formulas.diagnosis import Question
+from derive.checking.formulas.diagnosis import PAIRED, Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
@@ -300,6 +300,7 @@ class _Check(SideReading):
     def _defined(self) -> Iterator[Finding | Claim]:
         """Points and energies of links, which other formulas take as they are defined here."""
         moving = self.rates.union(name for cell in self.robot.gravity or () for name in names(cell))
+        known = ""  # letters of energies of links of which one is right
         for name, _, meaning, side in self.scope.defined():
             if (left := taken_apart(side.text)) is None:
                 continue
@@ -322,7 +323,10 @@ class _Check(SideReading):
             table = Table(((Entry(meaning, text, side.start),),))
             if names_of_pose(meaning):
                 yield Claim(expression_from_sympy(right.value[0, 0]), meaning, right.quantity, text, where)
-            elif (found := next(self._entries(right, table, side.start))).verdict.equal:
+            elif (found := next(self._entries(right, table, side.start))).verdict.equal or (
+                left.head in known and (repair := judge(found).repair) and {*PAIRED}.issuperset(repair.kinds)
+            ):  # a slip, as the energy of another link is right
+                known += left.head * found.verdict.equal
                 yield found
             else:
                 self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")

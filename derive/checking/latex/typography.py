@@ -100,8 +100,10 @@ _SIGN = re.compile(
 )  # e in {1, -1}
 _OPENED = re.compile(r"(?<=[*&)\]] )\{((?:[^{}]|\{[^{}]*\})*[-+;]\s*(?:\\right\.)?\s*)\}")  # of a sum, as scans have it
 _SIDESET = re.compile(rf"\\sideset\s*\{{(?P<kept>(?:[^{{}}]|\{{[^{{}}]*\}})*)\}}\s*{_GROUP}")
-_WAY = re.compile(  # the way from one point to another
+_WAY = re.compile(  # the way from one point to another, \vec{P_1 P_2} or {}^0P_{1 \to EE}
     r"\\(?:overrightarrow|vec)\s*\{\s*(?P<start>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*(?P<to>[OoPp]\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}"
+    r"|(?:\{\s*\}\s*\^\s*\{?\s*0\s*\}?\s*)?(?:\\(?:vec|mathbf|bm)\s*)?\{?(?P<letter>[PpOord])\}?"
+    r"\s*_\s*\{\s*(?P<first>[1-9])\s*\\(?:to|rightarrow)\s*(?P<last>[A-Za-z0-9])\w{0,3}\s*\}"
 )
 # A point as the sign of a product, c\\alpha.c\\beta, but for the end of a sentence, and a letter with a bar.
 _POINTED = re.compile(
@@ -161,7 +163,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
     text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
     text = _BAR.sub(lambda m: f" {m['in'] or m['bare']}'".ljust(len(m[0])), text)
-    text = _WAY.sub(lambda m: f"({m['to']}-{m['start']})".ljust(len(m[0])), text)
+    text = _WAY.sub(_difference, text)
     text = text.replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
@@ -225,6 +227,13 @@ def _of_solution(match: re.Match[str]) -> str:
     is_one = is_one and not before.endswith(("sin", "cos", "tan", "+", "-", "("))
     label = f"^{match['label']}{match['end']}" if is_one else match["end"] or ""
     return match["kept"] + label.rjust(match.end() - match.end("kept"))
+
+
+def _difference(match: re.Match[str]) -> str:
+    """A way as the difference of two places."""
+    letter = match["letter"]
+    ends = (f"{letter}_{match['last']}", f"{letter}_{match['first']}") if letter else (match["to"], match["start"])
+    return "({}-{})".format(*ends).ljust(len(match[0]))
 
 
 def _times(match: re.Match[str]) -> str:
