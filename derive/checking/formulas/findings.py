@@ -84,8 +84,7 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
         verdict = compare(robot, right, printed)
     if verdict.counter_example is None:
         return verdict
-    numbers = dict(robot.parameters)
-    if not numbers.keys().isdisjoint(tree.names(right)) and not set(tree.names(right)) <= set(tree.names(printed)):
+    if numbers := _lacking(robot, right, printed):
         # the page has numbers where the file has symbols, whose numbers it gives, in SI units or in its own
         is_own = robot.units.millimetres and are_units_clear(robot)
         typed = {n: in_file_units(x, symbol_unit(robot, n), robot.units) for n, x in numbers.items() if is_own}
@@ -95,6 +94,12 @@ def verdict_at(where: Location, robot: Robot, right: Expression, printed: Expres
     if robot.units.millimetres and compare(robot, tree.multiply(tree.number(1000), right), printed).equal:
         return Verdict(equal=True, exact=False)  # numbers of the page are in the units of the file
     return Verdict(equal=True, exact=False) if _within_rounding(robot, right, printed) else verdict
+
+
+def _lacking(robot: Robot, right: Expression, printed: Expression) -> dict[str, Expression]:
+    """The numbers of the file for symbols that the page does not have: one symbol for another stays a slip."""
+    symbols = {*tree.names(right)} - {*tree.names(printed)}
+    return {name: value for name, value in robot.parameters if name in symbols}
 
 
 def compared(
@@ -110,7 +115,7 @@ def compared(
     # a root is one value, but for an equation between joint variables, such as s_2 = sqrt(1 - c_2^2)
     several = (*ARCS, "sqrt") if role is Role.IDENTITY else ARCS
     if not verdict.equal and any(has_branches(side, several) for side in sides):
-        (points, alike), numbers = branches(robot, *sides), dict(robot.parameters)
+        (points, alike), numbers = branches(robot, *sides), _lacking(robot, *sides)
         if not alike and numbers:  # the page has numbers where the file has symbols
             one, other = (tree.substitute(side, numbers) for side in sides)
             points, alike = branches(robot, one, other)
