@@ -106,8 +106,7 @@ def linkage(robot: Robot) -> tuple[Closing, ...]:
         if isinstance(one, QuantityError):
             waiting.append((loop, one))
             bare, together = tree.bare(robot), [each for each, _ in waiting]
-            one = _of_point(robot, together, found)
-            one = one or iterated(bare, together, known, _Before(bare, tuple(found)))
+            one = _of_point(robot, together, found) or iterated(bare, together, known, _Before(bare, tuple(found)))
         if one is not None:
             waiting.clear()
             found.append(one)
@@ -146,7 +145,10 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | Qua
     own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k in unknown)
     try:
-        graph = solve(own.arm) if loop.by is not Joining.DISTANCE else _of_rod(robot, own)
+        if loop.by is Joining.DISTANCE:
+            graph = rod_graph(own.arm, [not x for x in own.pose(PolynomialDomain(robot, rates=False)).position])
+        else:
+            graph = solve(own.arm)
     except QuantityError:  # its message is about the arm
         found = f"it does not determine {listed(robot.joints[k].variable for k in passive)}"
         return refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops")
@@ -194,13 +196,6 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
         raise refused(robot, chosen, f"branches {listed(sorted(signs))} of rods together", "allowed: one of them")
     leaf = _leaf(robot, chosen, graph)
     return SolvedLoop(loops=own.loops, passive=tuple(passive), circuit=own, graph=graph, leaf=leaf)
-
-
-def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
-    position = own.pose(PolynomialDomain(robot, rates=False)).position
-    if (graph := rod_graph(own.arm, tuple(not x for x in position))) is None:
-        raise QuantityError("the joint does not change the distance of the ends")
-    return graph
 
 
 def _columns(
@@ -292,24 +287,19 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():
             return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
-    if not isinstance(last := loops[-1], SolvedLoop):
-        assert isinstance(last, IteratedLoops)
-        return (
-            numbers,
-            q,
-            list(source.uniform(-2, 2, (robot.n, SAMPLES))),
-            float(last.searched(numbers)[2].min()) + _TINY,
-        )
-    if last.loop.by is Joining.DISTANCE:
-        missing = float(_stretch(robot, last, full, values).min()) + _TINY
-        return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
-    frame = last.circuit.pose(ArrayDomain(robot, full, values))
-    entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
-    arm = Problem(NumericChain.of(last.circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
-    arm = replace(arm, free=np.array([k not in last.graph.given for k in range(arm.chain.n)]))
-    closest, _ = fit(arm, np.full((SAMPLES, arm.chain.n), 0.7))
-    missing = float((arm.residual(closest) * arm.unit).min()) + _TINY
-    return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
+    if isinstance(last := loops[-1], IteratedLoops):
+        missing = last.searched(numbers)[2]
+    elif last.loop.by is Joining.DISTANCE:
+        missing = _stretch(robot, last, full, values)
+    else:
+        assert isinstance(last, SolvedLoop)
+        frame = last.circuit.pose(ArrayDomain(robot, full, values))
+        entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
+        arm = Problem(NumericChain.of(last.circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
+        arm = replace(arm, free=np.array([k not in last.graph.given for k in range(arm.chain.n)]))
+        closest, _ = fit(arm, np.full((SAMPLES, arm.chain.n), 0.7))
+        missing = arm.residual(closest) * arm.unit
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), float(missing.min()) + _TINY
 
 
 def _stretch(robot: Robot, one: Closing, full: Sequence[Array], values: Mapping[str, Any]) -> Array:

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
+from derive.errors import QuantityError
 from derive.inverse.closed.graph import Node, SolutionGraph
 from derive.inverse.closed.nodes import NodeEquation, NodeFormula, NodeKind, Provenance
 from derive.inverse.closed.unknowns import InverseDomain, baked, shifted, with_numbers
@@ -26,8 +27,8 @@ from derive.robot.options.inverse import TASKS, InverseOptions
 from derive.robot.robot import Robot
 
 
-def rod_graph(arm: Robot, is_zero: tuple[bool, ...]) -> SolutionGraph | None:
-    """The solutions of the first joint of an arm whose first link is the rod; None where it does not move the rod.
+def rod_graph(arm: Robot, is_zero: Sequence[bool]) -> SolutionGraph:
+    """The solutions of the first joint of an arm whose first link is the rod.
 
     Later joints are given, and of the pose the position, of which ``is_zero`` says what vanishes.
     """
@@ -39,7 +40,7 @@ def rod_graph(arm: Robot, is_zero: tuple[bool, ...]) -> SolutionGraph | None:
     unknown = domain.unknown(0)
     terms = domain.ring.coefficients(square, [domain.ring.index[name] for name in unknown.generators])
     if not any(map(any, terms)):
-        return None
+        raise QuantityError("the joint does not change the distance of the ends")
     kind, given = NodeKind.TYPE_2 if unknown.is_angle else NodeKind.QUADRATIC, tuple(range(1, plain.n))
     formula = NodeFormula(kind, (NodeEquation(terms, 2, Provenance(1, 1, "rod")),))
     nodes = [Node(k - 1, (domain.unknown(k),), (NodeFormula(NodeKind.GIVEN),)) for k in given]
