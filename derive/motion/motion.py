@@ -32,8 +32,8 @@ from derive.motion.torques.functions import (
 )
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import TIME as TIME_NAME
-from derive.plans.hermite import TIME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
+from derive.plans.profile import TIME
 from derive.plans.segments import Load, SegmentPeaks, Step
 from derive.plans.surroundings import PATHS, BaseCurve
 from derive.robot.description import INERTIA

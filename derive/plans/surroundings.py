@@ -12,8 +12,7 @@ from derive.arrays import Array
 from derive.errors import listed, near_miss, quoted
 from derive.mechanics.vectors import about_axis
 from derive.plans.cells import PlanCells
-from derive.plans.hermite import TIME
-from derive.plans.profile import Curve
+from derive.plans.profile import TIME, Curve
 from derive.robot.expression import Expression, to_text
 from derive.robot.names import robot_symbols
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
