@@ -1,12 +1,11 @@
 """Inverse kinematics as a quantity of a model: how textbooks derive it, every branch, and the proof."""
 
 import random
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import chain, combinations, product
-from math import prod
 from typing import Any
 
 import mpmath
@@ -19,7 +18,7 @@ from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.derivation import PrintedDerivation
-from derive.inverse.words.elementary import PrintedLine, Sign
+from derive.inverse.words.elementary import Numbers, PrintedLine, Sign, with_lines
 from derive.inverse.words.postures import postures
 from derive.lecture.point import DIGITS, value_of, written
 from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, expression_to_sympy
@@ -35,11 +34,6 @@ from derive.robot.robot import Robot
 POSES = 3  # random reachable poses at which the solutions are put into T
 _KEPT = 32  # arms that are kept for those who ask for them again: sheets in three languages say the same of one
 CLOSE = mpmath.mpf(10) ** -25  # below it two numbers of fifty digits are equal: a double root costs half of the digits
-Numbers = dict[Expr, Any]  # numbers by symbol
-_FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np.cos, sympy.atan2: np.arctan2}
-
-
-# -- an arm and its solutions in numbers: with fifty digits to prove, as arrays of floats to look at
 
 
 def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
@@ -49,34 +43,6 @@ def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
         known[sympy.Symbol(name)] = value_of(expression_to_sympy(expression), dict(known))
     for name in robot_symbols(robot):
         known.setdefault(sympy.Symbol(name), mpmath.mpf(rng.randint(20, 90)) / 97)
-    return known
-
-
-def array_value(e: Expr, known: Numbers) -> Any:
-    """An expression as an array of floats; not a number where it has no real value."""
-    if e in known:
-        return known[e]
-    arguments = [array_value(argument, known) for argument in e.args]
-    if e.is_Number or e.is_NumberSymbol:
-        found = np.float64(e)
-    elif e.is_Add:
-        found = sum(arguments[1:], arguments[0])
-    elif e.is_Mul:
-        found = prod(arguments[1:], start=arguments[0])
-    elif e.is_Pow:
-        found = np.sqrt(arguments[0]) if e.args[1] == sympy.S.Half else arguments[0] ** arguments[1]
-    else:
-        found = _FUNCTIONS[e.func](*arguments)
-    known[e] = found
-    return found
-
-
-def with_lines(values: Numbers, lines: Iterable[PrintedLine]) -> Numbers:
-    """Arrays of what is known and of lines that follow, each a symbol and its value; NaN where one has no value."""
-    known = dict(values)
-    with np.errstate(all="ignore"):
-        for line in lines:
-            known[line.symbol] = array_value(line.value, known)
     return known
 
 
@@ -107,9 +73,6 @@ class ArrayDomain(DigitsDomain):
     """The same at many configurations, as arrays of floats."""
 
     functions = (np.cos, np.sin, float)
-
-
-# -- the solutions of an arm
 
 
 @dataclass(frozen=True)
