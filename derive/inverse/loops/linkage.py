@@ -28,7 +28,7 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
-from derive.inverse.loops.circuit import Circuit, circuit
+from derive.inverse.loops.circuit import Circuit, ThreeRods, circuit, point_graph, rod_graph
 from derive.inverse.loops.closing import (
     OPEN,
     SAMPLES,
@@ -43,7 +43,6 @@ from derive.inverse.loops.closing import (
     twists,
 )
 from derive.inverse.loops.iterated import STEP, IteratedLoops, iterated
-from derive.inverse.loops.rod import ThreeRods, point_graph, rod_graph
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain

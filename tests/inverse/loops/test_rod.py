@@ -13,10 +13,10 @@ from sympy import Symbol
 from derive.errors import QuantityError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.parts.closure import closure_lines
+from derive.inverse.loops.circuit import rod_graph
 from derive.inverse.loops.iterated import IteratedLoops
 from derive.inverse.loops.linkage import linkage, positions, rates
 from derive.inverse.loops.parallelogram import reduced
-from derive.inverse.loops.rod import rod_graph
 from derive.model.model import Model
 from derive.robot.description import IDENTITY
 from derive.robot.expression import ZERO
