@@ -32,17 +32,20 @@ from derive.inverse.loops.circuit import Circuit, ThreeRods, circuit, point_grap
 from derive.inverse.loops.closing import (
     OPEN,
     SAMPLES,
+    STEP,
     Array,
     Closing,
+    IteratedLoops,
     Twist,
     are_opposed,
+    drawn,
     gaps,
+    iterated,
     reach,
     refused,
     slides,
     twists,
 )
-from derive.inverse.loops.iterated import STEP, IteratedLoops, iterated
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain
@@ -277,11 +280,7 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
         values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
-        q, way = [], reach(robot, values)
-        for variable in robot.variables:
-            most = math.pi if variable.is_revolute else way
-            low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
-            q.append(source.uniform(low, high, SAMPLES))
+        q = drawn(robot, robot.variables, values, source, SAMPLES)
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():

@@ -14,7 +14,7 @@ from derive.errors import QuantityError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.parts.closure import closure_lines
 from derive.inverse.loops.circuit import rod_graph
-from derive.inverse.loops.iterated import IteratedLoops
+from derive.inverse.loops.closing import IteratedLoops
 from derive.inverse.loops.linkage import linkage, positions, rates
 from derive.inverse.loops.parallelogram import reduced
 from derive.model.model import Model
