@@ -28,24 +28,9 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
+from derive.inverse.loops import closing as closings
 from derive.inverse.loops.circuit import Circuit, ThreeRods, circuit, point_graph, rod_graph
-from derive.inverse.loops.closing import (
-    OPEN,
-    SAMPLES,
-    STEP,
-    Array,
-    Closing,
-    IteratedLoops,
-    Twist,
-    are_opposed,
-    drawn,
-    gaps,
-    iterated,
-    reach,
-    refused,
-    slides,
-    twists,
-)
+from derive.inverse.loops.closing import OPEN, SAMPLES, STEP, Array, Closing, IteratedLoops, Twist, iterated, refused
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain
@@ -144,7 +129,7 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | Qua
     if loop.by is Joining.DISTANCE and len(unknown) > 1:
         found = f"{listed(robot.joints[k].variable for k in sorted(unknown))} move it, and a rod determines one joint"
         return refused(robot, loop, found, remedy="write passive on one of them, or close loops of the others first")
-    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
+    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and closings.are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k in unknown)
     try:
         if loop.by is Joining.DISTANCE:
@@ -181,7 +166,7 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
         return None
     exact = PolynomialDomain(robot, [loop.length for loop in loops], rates=False)
     for loop in loops:
-        _, ways = slides(robot, loop, exact, passive)
+        _, ways = closings.slides(robot, loop, exact, passive)
         if any(dot(u, v) != exact.number(int(u is v)) for u in ways for v in ways):
             return None
     # The coordinate along which the line of the points goes most is found first, and divides the others.
@@ -204,7 +189,7 @@ def _columns(
     robot: Robot, one: Closing, values: Mapping[str, float], full: Sequence[Array]
 ) -> tuple[dict[int, Array], list[Array]]:
     """Twists of the joints of a loop and of its closure where it is assembled, (configurations, 6) each."""
-    found, closing = twists(robot, one, ArrayDomain(robot, full, values))
+    found, closing = closings.twists(robot, one, ArrayDomain(robot, full, values))
     linear = [x for twist in found.values() for k, x in enumerate(twist) if k % 6 < 3]
     unit = max(np.abs(x).max() for x in linear) or 1.0  # of lengths
 
@@ -280,7 +265,7 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
         values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
-        q = drawn(robot, robot.variables, values, source, SAMPLES)
+        q = closings.drawn(robot, robot.variables, values, source, SAMPLES)
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():
@@ -302,7 +287,7 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
 
 def _stretch(robot: Robot, one: Closing, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
     """By how much the way between the ends of a rod is longer or shorter than it is, the most of several [m]."""
-    ways = [(gaps(robot, loop, ArrayDomain(robot, full, values)), loop.length) for loop in one.loops]
+    ways = [(closings.gaps(robot, loop, ArrayDomain(robot, full, values)), loop.length) for loop in one.loops]
     stretched = [np.abs(np.sqrt(dot(way, way)) - to_float(length, values)) for way, length in ways]
     return np.asarray(np.max(stretched, axis=0))
 
@@ -346,7 +331,7 @@ class Reached:
 
         They begin from the nearest configuration that is known, to which others are added on the way.
         """
-        rows, whole = q.reshape(-1, q.shape[-1]), reach(self._robot, values)
+        rows, whole = q.reshape(-1, q.shape[-1]), closings.reach(self._robot, values)
         unit = [1.0 if x.is_revolute else whole for x in self._robot.variables]
         own = [1.0 if x.is_revolute else whole for x in self._robot.passive]
         if not len(self._q):
@@ -404,7 +389,7 @@ def rates(
     shape = np.shape(full[0])
     matrix, far = np.multiply.outer(np.array(constant_rows(robot, values), dtype=float), np.ones(shape)), np.ones(shape)
     for one in loops:
-        columns, _ = twists(robot, one, ArrayDomain(robot, full, values))
+        columns, _ = closings.twists(robot, one, ArrayDomain(robot, full, values))
         own = [[np.broadcast_to(columns[p][row], shape) for p in one.passive] for row in one.rows]
         # J_p qd_p + J_a qd_a = 0; the rates of its own joints are still zero.
         rest = [sum(columns[m][row] * matrix[m] for m in columns) for row in one.rows]
@@ -418,7 +403,7 @@ def rates(
 
 def slopes(robot: Robot, one: Closing, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
-    (columns, _), zero = twists(robot, one, domain), domain.ring.zero
+    (columns, _), zero = closings.twists(robot, one, domain), domain.ring.zero
     first = {name.name: numerator for name, numerator in one.first(robot, columns, domain)}
     second: dict[str, Polynomial] = {}
     names, followed = [each.variable for each in robot.variables], {m: dict(robot.joints[m].follows) for m in columns}
