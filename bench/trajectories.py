@@ -14,8 +14,7 @@ from sympy import Expr, Float, Integer, Rational
 
 from derive.arrays import Array
 from derive.motion.curves.trajectory import Segment, Trajectory
-from derive.plans.hermite import ZERO, Piece
-from derive.plans.profile import AnyPiece, Profile, rest_to_rest, trapezoid
+from derive.plans.profile import ZERO, AnyPiece, Piece, Profile, rest_to_rest, trapezoid
 
 MOST = 1e-12
 """Largest difference, relative to the largest value of a position, velocity or acceleration."""

@@ -90,9 +90,7 @@ class Log:
                 line = file.readline().rstrip("\r\n")
             delimiter = max(",;\t", key=line.count)
             return delimiter, next(csv.reader([line], delimiter=delimiter), [])
-        arrow, parquet = (
-            optional(f"pyarrow{part}", "reading a log needs pyarrow", "data") for part in ("", ".parquet")
-        )
+        arrow, parquet = (optional(f"pyarrow{part}", NEEDED, "data") for part in ("", ".parquet"))
         if self.path is None:
             return arrow.table(dict(self.source)) if isinstance(self.source, Mapping) else self.source
         try:  # what is read ahead would be a whole group of rows

@@ -18,8 +18,7 @@ from derive.algebra.ring import Polynomial
 from derive.errors import QuantityError, listed
 from derive.inverse.loops.closing import Closing, gaps, openings, reach, twists
 from derive.inverse.loops.linkage import SolvedLoop, assembled, linkage, positions, slopes
-from derive.inverse.numeric.in_numbers import with_lines
-from derive.inverse.words.elementary import PrintedLine, reduced
+from derive.inverse.words.elementary import PrintedLine, reduced, with_lines
 from derive.inverse.words.solutions import InverseKinematics, Solution
 from derive.lecture.point import DIGITS, KEPT, value_of
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy

@@ -420,7 +420,7 @@ class KinematicModel(TreeModel):
     def aspects(self) -> Aspects:
         """The sets of configurations without a singularity, and whether the arm changes posture within one of them."""
         require_chain(self.robot, "the aspects")
-        from derive.inverse.numeric.in_numbers import parameter_numbers
+        from derive.inverse.words.solutions import parameter_numbers
         from derive.model.singularities.aspects import find_aspects
 
         numbers = {str(symbol): float(x) for symbol, x in parameter_numbers(self.robot, random.Random(12)).items()}

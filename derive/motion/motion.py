@@ -20,7 +20,7 @@ from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, 
 from derive.motion.curves.trajectory import Trajectory, curves_of, followed, read_recording
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
-from derive.motion.torques.base_torques import BaseTorques, carried_body
+from derive.motion.torques.base_torques import BaseCurve, BaseTorques, carried_body
 from derive.motion.torques.functions import (
     LEAST_INTERVALS,
     Functions,
@@ -31,11 +31,10 @@ from derive.motion.torques.functions import (
     reached_of,
 )
 from derive.plans.catalogue import plan_text, waypoints
-from derive.plans.cells import TIME as TIME_NAME
-from derive.plans.hermite import TIME
+from derive.plans.cells import PATHS, TIME_NAME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
+from derive.plans.profile import TIME
 from derive.plans.segments import Load, SegmentPeaks, Step
-from derive.plans.surroundings import PATHS, BaseCurve
 from derive.robot.description import INERTIA
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import Expression

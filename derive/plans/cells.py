@@ -5,14 +5,21 @@ from fractions import Fraction
 from functools import cached_property
 
 from derive.errors import listed, near_miss, quoted
+from derive.plans.segments import Disturbance
 from derive.robot.cells import Cells, check_symbol
 from derive.robot.evaluate import evaluate, parameter_values
-from derive.robot.expression import Expression, contains_pi, names
-from derive.robot.names import file_symbols
+from derive.robot.expression import Expression, contains_pi, names, to_text
+from derive.robot.names import file_symbols, robot_symbols
 from derive.robot.reading.document import Document, KeyPath, YamlMapping
 from derive.robot.robot import Robot
 
-TIME = "t"  # the letter of time in curves
+TIME_NAME = "t"  # the letter of time in curves
+PAYLOAD = "payload"  # the key of a body among the numbers of the plant
+# Where a plan has the formulas of the position and the angles of a base that moves.
+PATHS: dict[str, KeyPath] = {
+    **{key: ("base", key) for key in ("x", "y", "z")},
+    **{angle: ("base", "rpy", k) for k, angle in enumerate(("roll", "pitch", "yaw"))},
+}
 Read = Callable[[KeyPath], Expression]  # reads a cell
 
 
@@ -21,13 +28,13 @@ class PlanCells:
 
     def __init__(self, document: Document, robot: Robot) -> None:
         self._document, self._robot = document, robot
-        self.cells = Cells(document, robot.units, unitless=frozenset({TIME}))  # as written, in SI units and radians
+        self.cells = Cells(document, robot.units, unitless=frozenset({TIME_NAME}))  # as written, in SI units and rad
         self.values: dict[str, Expression] = {}  # numbers of symbols that the plan gives
         for name in self.keys(("values",)):
             path: KeyPath = ("values", name)
             check_symbol(document, path, name)
-            if name == TIME or any(joint.variable == name for joint in (*robot.joints, *robot.variables)):
-                what = "the time" if name == TIME else "a joint variable"
+            if name == TIME_NAME or any(joint.variable == name for joint in (*robot.joints, *robot.variables)):
+                what = "the time" if name == TIME_NAME else "a joint variable"
                 raise document.error(path, f"{name} is {what}", "allowed: symbols of the robot and of formulas")
             self.values[name] = self._with_numbers(path, self.cells.symbol(path, robot, name), parameter_values(robot))
 
@@ -72,7 +79,7 @@ class PlanCells:
     def formula(self, path: KeyPath, read: Read) -> Expression:
         """A formula of time."""
         value = read(path)
-        self.check_symbols(path, value, {**self.numbers, TIME: 0})
+        self.check_symbols(path, value, {**self.numbers, TIME_NAME: 0})
         return value
 
     def plain(self, path: KeyPath) -> Expression:
@@ -111,3 +118,38 @@ class PlanCells:
                 raise self._document.error((*path, k), found, "allowed: a length, without pi")
         reads = (read or (self.cells.angle if joint.is_revolute else self.cells.length) for joint in robot.variables)
         return tuple(self.number((*path, k), cell) for k, cell in enumerate(reads))
+
+    # -- what else a plan says of the arm
+
+    def plant(self) -> dict[str, Expression]:
+        """Numbers of symbols that differ in the simulated arm."""
+        symbols, found = (*robot_symbols(self._robot), PAYLOAD), {}
+        for name in self.keys(("plant",)):
+            if name not in symbols:
+                text, allowed = f"no symbol {quoted(name)} in {self._robot.name}", f"allowed: {listed(symbols)}"
+                raise self._document.error(("plant", name), text, allowed, near_miss(name, symbols))
+            if name != PAYLOAD:
+                found[name] = self.plain(("plant", name))
+        return found
+
+    def disturbances(self) -> tuple[Disturbance, ...]:
+        """What pushes the joints."""
+        document, variables, found = self._document, tuple(joint.variable for joint in self._robot.variables), []
+        for k in range(document.length(("disturbance",))):
+            path: KeyPath = ("disturbance", k)
+            if (name := document.text(*path, "joint")) not in variables:
+                text, allowed = f"no joint {quoted(name)}", f"allowed: {listed(variables)}"
+                raise document.error((*path, "joint"), text, allowed, near_miss(name, variables))
+            start, torque, end = (self.plain((*path, key)) for key in ("start", "torque", "end"))
+            if not 0 <= self.size(start) < self.size(end):
+                text = f"from {to_text(start)} to {to_text(end)} s"
+                raise document.error((*path, "end"), text, "allowed: an end after the start, neither below zero")
+            found.append(Disturbance(variables.index(name), torque, start, end))
+        return tuple(found)
+
+    def base(self) -> tuple[Expression, ...]:
+        """The formulas of the block ``base``: x, y, z [m], roll, pitch, yaw [rad]; none of a base that stands."""
+        if self._document.find(("base",)) is None:
+            return ()
+        kinds = (*[self.cells.length] * 3, *[self.cells.angle] * 3)
+        return tuple(self.formula(path, kind) for path, kind in zip(PATHS.values(), kinds, strict=True))

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from derive.errors import DeriveError, Location, QuantityError, RobotFileError, listed, near_miss, path_text, quoted
 from derive.plans.catalogue import plan_bytes
-from derive.plans.cells import PlanCells, Read
+from derive.plans.cells import PATHS, PAYLOAD, PlanCells, Read
 from derive.plans.profile import Profile
 from derive.plans.schema import PlanFile
-from derive.plans.segments import Payload, Point, Pose, Step, Vector
-from derive.plans.surroundings import PATHS, PAYLOAD, Disturbance, disturbances, plant_numbers, read_base
+from derive.plans.segments import Disturbance, Payload, Point, Pose, Step, Vector
 from derive.robot.description import Remark
 from derive.robot.evaluate import evaluate, parameter_values
 from derive.robot.expression import ONE, ZERO, Expression, names, number, substitute
@@ -51,10 +50,10 @@ class Plan:
     points: Mapping[str, Point]  # by name, in the order of the file
     start: str  # name of the first point of the path; empty where curves are given
     steps: tuple[Step, ...]  # the segments
-    curves: Mapping[str, Expression]  # each joint variable as an expression in `TIME`; empty where a path is given
+    curves: Mapping[str, Expression]  # each joint variable in `TIME_NAME`; empty where a path is given
     duration: Expression  # how long curves last [s]
     recording: Path | None  # a CSV file with the motion, or None
-    base: tuple[Expression, ...]  # where the base stands, as `read_base` has it; empty where it does not move
+    base: tuple[Expression, ...]  # where the base stands, as `PlanCells.base` has it; empty where it does not move
     speed: Most  # largest speed of each joint, by default that of the robot; None where nothing limits it
     acceleration: Most  # largest acceleration of each joint
     torque: Most  # largest torque of each joint, by default that of the robot
@@ -135,7 +134,7 @@ class _PlanReader:
             curves=curves,
             duration=numbers.positive(("time",), ZERO) if curves else ZERO,
             recording=recording,
-            base=read_base(document, numbers),
+            base=numbers.base(),
             speed=self._most("speed", tuple(joint.speed for joint in joints)),
             acceleration=self._most("acceleration", (None,) * self._robot.dof),
             torque=self._most("torque", tuple(joint.torque for joint in joints)),
@@ -147,9 +146,9 @@ class _PlanReader:
                 period=numbers.positive(period, ONE) if document.scalar(period) else None,
             ),
             friction=document.text("friction") or "smooth",
-            plant=plant_numbers(document, self._robot, numbers),
+            plant=numbers.plant(),
             plant_payload=self._payload(("plant", PAYLOAD)),
-            disturbances=disturbances(document, self._robot, numbers),
+            disturbances=numbers.disturbances(),
             source=document.source,
             digest=document.digest,
         )

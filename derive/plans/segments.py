@@ -75,6 +75,16 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What pushes a joint for a time."""
+
+    joint: int  # index of the joint
+    torque: Expression  # torque or force [N m or N]
+    start: Expression  # when it begins [s]
+    end: Expression  # when it ends [s]
+
+
+@dataclass(frozen=True, slots=True)
 class Segment:
     """The way from one point to the next."""
 

@@ -117,8 +117,7 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     # A circle of the arm's size departs from its chord by r (2 pi/N)^2 / 8: four times as much.
     gap = plane.point.size * (TURN / cells) ** 2 / 2.0
     if turn is None or turn not in plane.joints or plane.picture is not Picture.TOP:
-        curves = _curves(plane, cells)
-        return np.concatenate([curves, _bridges(curves, gap)])
+        return _bridged(_curves(plane, cells), gap)
     rest = PlaneMap(plane.point, plane.picture, tuple(j for j in plane.joints if j != turn))
     way = plane.point.ranges[turn]
     # Circles between a polygon inside and one outside: what ends on the circle crosses one of them.
@@ -129,8 +128,7 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     for radius in _extreme_radii(rest, cells):
         found += [radius * sides, radius / math.cos(math.pi / (4 * cells)) * sides]
     if not way.full:
-        curves = _curves(rest, cells)
-        curves = np.concatenate([curves, _bridges(curves, gap)])
+        curves = _bridged(_curves(rest, cells), gap)
         places = rest.places(rest.point.random(64, rest.joints))
         middle = places.mean(axis=1)
         directions, spread, _ = np.linalg.svd(places - middle[:, None], full_matrices=False)
@@ -144,8 +142,8 @@ def boundary_candidates(plane: PlaneMap, cells: int) -> Array:
     return np.concatenate(found)
 
 
-def _bridges(segments: Array, gap: float) -> Array:
-    """Small crosses where a curve turns back, or is nearest to or farthest from the axis."""
+def _bridged(segments: Array, gap: float) -> Array:
+    """With small crosses where a curve turns back, or is nearest to or farthest from the axis."""
     # There it touches another curve, and both are known in points only, which leaves a gap. Lines that lead nowhere
     # bound no cell, so that a cross does no harm elsewhere.
     # Ends of segments by their rounded places: two at an inner point of a curve.
@@ -162,7 +160,7 @@ def _bridges(segments: Array, gap: float) -> Array:
     middle, low, high = (np.hypot(*corner.T) for corner in (at, before, after))
     tips = at[back | ((middle - low) * (middle - high) > 0.0)]
     arms = gap * np.array([[[-1.0, 0.0], [1.0, 0.0]], [[0.0, -1.0], [0.0, 1.0]]])
-    return np.asarray((tips[:, None, None] + arms).reshape(-1, 2, 2))
+    return np.concatenate([segments, (tips[:, None, None] + arms).reshape(-1, 2, 2)])
 
 
 def _curves(plane: PlaneMap, cells: int) -> Array:

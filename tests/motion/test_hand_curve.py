@@ -12,7 +12,7 @@ from derive.errors import QuantityError
 from derive.motion.incremental import Walker, increments_of, printed_increments
 from derive.motion.motion import Motion
 from derive.motion.output.printed import HandCurve, printed_hand, printed_weights
-from derive.plans.hermite import TIME
+from derive.plans.profile import TIME
 from derive.robot.evaluate import parameter_values
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot

@@ -12,13 +12,13 @@ from sympy import Rational, cos, pi, sin
 
 from derive.errors import DeriveError, RobotFileError, UnknownRobotError
 from derive.motion.motion import Motion
+from derive.motion.torques.base_torques import BaseCurve
 from derive.plans.catalogue import new_plan_text, plan_bytes, plan_names, plan_text, waypoints
 from derive.plans.cells import PlanCells
-from derive.plans.hermite import TIME
 from derive.plans.plan import OF_PATHS, plan_from_bytes, remarks_on_loads
+from derive.plans.profile import TIME
 from derive.plans.schema import PlanFile, plan_json_schema
-from derive.plans.segments import Step
-from derive.plans.surroundings import BaseCurve, Disturbance
+from derive.plans.segments import Disturbance, Step
 from derive.robot.expression import ZERO, number, to_text
 from derive.robot.load import catalogue_names
 from derive.robot.reading.document import Document, YamlMapping, read_document, read_tree

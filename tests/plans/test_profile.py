@@ -9,8 +9,18 @@ from sympy import Integer, Rational, pi, sqrt
 
 from derive.motion.curves.limits import peak
 from derive.motion.curves.trajectory import Trajectory
-from derive.plans.hermite import Piece, power_coefficients, sampled
-from derive.plans.profile import UNIT_PEAKS, Cosine, Profile, rest_to_rest, spline, trapezoid, via_velocities
+from derive.plans.profile import (
+    UNIT_PEAKS,
+    Cosine,
+    Piece,
+    Profile,
+    power_coefficients,
+    rest_to_rest,
+    sampled,
+    spline,
+    trapezoid,
+    via_velocities,
+)
 from derive.plans.segments import Segment
 
 ZERO = Integer(0)

@@ -16,8 +16,8 @@ from derive.errors import CheckError, DeriveError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.solution_printer import SignPrinter, pose_names, with_names
 from derive.inverse.closed.solve import Freedom
-from derive.inverse.numeric.in_numbers import with_lines
 from derive.inverse.words.elementary import PrintedLine as OurLine
+from derive.inverse.words.elementary import with_lines
 from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import Shape, form_of

@@ -21,8 +21,8 @@ import sympy
 from derive.checking.formulas.edits import float_value
 from derive.checking.inverse.printed import Place
 from derive.errors import DeriveError
-from derive.inverse.numeric.in_numbers import ArrayDomain
 from derive.inverse.words.postures import Placed, common_point, parallel, placed
+from derive.inverse.words.solutions import ArrayDomain
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.evaluate import evaluate, parameter_values

@@ -25,8 +25,9 @@ from derive.handouts.page.player import Playback, html_messages, player_texts
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
-from derive.inverse.numeric.in_numbers import ArrayDomain, Numbers
+from derive.inverse.words.elementary import Numbers
 from derive.inverse.words.postures import postures
+from derive.inverse.words.solutions import ArrayDomain
 from derive.mechanics.chain import build_chain
 from derive.mechanics.forward_kinematics import jacobian
 from derive.programs.program import Program

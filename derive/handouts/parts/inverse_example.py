@@ -19,7 +19,7 @@ from derive.handouts.parts.figure import stated_values
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Entry, Figure, Paragraph, Rows, SheetFormula, Table
 from derive.inverse.closed.branches import InverseSolver
-from derive.inverse.numeric.in_numbers import Numbers
+from derive.inverse.words.elementary import Numbers
 from derive.inverse.words.solutions import CLOSE, InverseKinematics
 from derive.lecture.point import DIGITS
 from derive.lecture.sympy_conversion import Expr

@@ -15,8 +15,7 @@ from derive.handouts.notation.pieces import Box, concatenate
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
-from derive.plans.hermite import MOST_PRINTED, basis
-from derive.plans.profile import VALUES, Profile
+from derive.plans.profile import MOST_PRINTED, VALUES, Profile, basis
 from derive.plans.segments import Segment, SegmentPeaks, formula
 
 UNIT = Symbol("u")  # time since a piece began, in units of its length

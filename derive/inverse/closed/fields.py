@@ -103,15 +103,16 @@ class ComplexField(FloatField):
         return np.zeros_like(a, dtype=bool)
 
     def conic(self, coefficients: Sequence[Floats]) -> Sequence[tuple[Floats, Floats, Masks, Masks, Masks]]:
-        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in the tangent of half the angle."""
+        """The common points of the circle c^2 + s^2 = 1 and a conic: a quartic in z = c + i s."""
         cc, cs, ss, c, s, one = np.broadcast_arrays(*coefficients)
-        # c = (1 - t^2)/(1 + t^2), s = 2 t/(1 + t^2), times (1 + t^2)^2: coefficients of t^0 to t^4.
-        ascending = [cc + c + one, 2 * (cs + s), 2 * (one - cc) + 4 * ss, 2 * (s - cs), cc - c + one]
-        found = []
-        for t, w in quartic_roots(np.stack(ascending, axis=-1)):
-            size = t * t + w * w
-            found.append(((w * w - t * t) / size, 2 * t * w / size, np.abs(size) > 0, np.bool_(False), np.bool_(False)))
-        return found
+        # c = (z + 1/z)/2, s = (z - 1/z)/(2 i), times 4 z^2: coefficients of z^4 to z^0.
+        quartic = [cc - ss - 1j * cs, 2 * (c - 1j * s), 2 * (cc + ss) + 4 * one, 2 * (c + 1j * s), cc - ss + 1j * cs]
+        rows, no = np.stack(quartic, axis=-1).reshape(-1, 5), np.bool_(False)
+        roots = np.zeros((len(rows), 4), dtype=np.complex128)  # fewer where the first coefficients vanish
+        for k, own in enumerate(map(np.roots, rows)):
+            roots[k, : len(own)] = own
+        points = [(z != 0, np.where(z == 0, 1, z)) for z in roots.reshape(*cc.shape, 4).T]
+        return [((z + 1 / z) / 2, (z - 1 / z) / 2j, exists, no, no) for exists, z in points]
 
 
 class PrimeField(_ArrayMasks):
@@ -171,39 +172,3 @@ class PrimeField(_ArrayMasks):
 
     def _power(self, base: Residue, exponent: int) -> Residue:
         return Residue(self.prime, power(base.values, exponent, self.prime))
-
-
-def quartic_roots(ascending: Floats) -> list[tuple[Floats, Floats]]:
-    """The roots of quartics as quotients t/w, found as eigenvalues of companion matrices and polished by Newton."""
-    # Of three zeros of the angle the one at which the leading coefficient is largest at the worst pose.
-    ways = [(k, _turned_quartic(ascending, k)) for k in (0.0, 0.577, -1.33)]
-    leads = [np.abs(way[..., 4]) / np.maximum(np.abs(way).max(axis=-1), 1e-300) for _, way in ways]
-    worst = [float(lead.min(initial=1.0)) for lead in leads]
-    k, moved = ways[worst.index(max(worst))]
-    lead = np.where(moved[..., 4:] == 0, 1e-300, moved[..., 4:])
-    # The companion matrix of the monic quartic: its eigenvalues are the roots.
-    companion = np.zeros((*moved.shape[:-1], 4, 4), dtype=moved.dtype)
-    companion[..., np.arange(1, 4), np.arange(3)] = 1
-    companion[..., :, 3] = -moved[..., :4] / lead
-    roots = np.linalg.eigvals(companion).astype(np.complex128)
-    for _ in range(2):
-        # Two Newton steps, value and derivative by Horner's rule; no step near a double root, where they diverge.
-        value, slope = np.zeros_like(roots), np.zeros_like(roots)
-        for j in range(4, -1, -1):
-            slope = slope * roots + value
-            value = value * roots + moved[..., j : j + 1]
-        step = np.where(np.abs(slope) > 0, value / np.where(slope == 0, 1, slope), 0)
-        roots = np.where(np.abs(step) < 1e-3 * (1 + np.abs(roots)), roots - step, roots)
-    return [(roots[..., i] + k, 1 - k * roots[..., i]) for i in range(4)]
-
-
-def _turned_quartic(ascending: Floats, k: float) -> Floats:
-    """The quartic in t where the old unknown is (t + k)/(1 - k t)."""
-    total = np.zeros_like(ascending)
-    for j in range(5):
-        # (t + k)^j (1 - k t)^(4 - j), as products of polynomials.
-        powers = np.array([1.0])
-        for factor in [[k, 1.0]] * j + [[1.0, -k]] * (4 - j):
-            powers = np.convolve(powers, factor)
-        total = total + ascending[..., j : j + 1] * powers
-    return total

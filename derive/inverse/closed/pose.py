@@ -12,9 +12,9 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from derive.algebra.ring import Polynomial
+from derive.arrays import Array
 from derive.inverse.closed.evidence import Evidence
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import GraphWalk, SolutionGraph, pose_of
@@ -26,8 +26,6 @@ from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression, names
 from derive.robot.names import free_symbols
 from derive.robot.options.inverse import ROWS
-
-Floats = npt.NDArray[np.float64]
 
 _STEP = 1e-5  # by how much the pose is left, against the reach of the arm
 _INDEPENDENT = 1e-6  # a derivative that adds less than this to the others says nothing new
@@ -204,10 +202,10 @@ class _Leaving:
             for joint, sign in zip(unknown.joints[1:], unknown.signs[1:], strict=True):
                 total = turned(total, nearest.joints[joint], sign)
             self._values.update(zip(unknown.generators, total, strict=True))
-        self.basis: list[Floats] = []
+        self.basis: list[Array] = []
 
     @staticmethod
-    def _around(rotation: Floats, position: Floats) -> Floats:
+    def _around(rotation: Array, position: Array) -> Array:
         """The pose, and the pose turned and moved a little in each direction, both ways."""
         poses = np.zeros((13, 3, 4))
         for k in range(13):

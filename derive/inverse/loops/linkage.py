@@ -28,22 +28,9 @@ from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import GraphWalk, Leaf, SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import misses, solve
-from derive.inverse.loops.circuit import Circuit, circuit
-from derive.inverse.loops.closing import (
-    OPEN,
-    SAMPLES,
-    Array,
-    Closing,
-    Twist,
-    are_opposed,
-    gaps,
-    reach,
-    refused,
-    slides,
-    twists,
-)
-from derive.inverse.loops.iterated import STEP, IteratedLoops, iterated
-from derive.inverse.loops.rod import ThreeRods, point_graph, rod_graph
+from derive.inverse.loops import closing as closings
+from derive.inverse.loops.circuit import Circuit, ThreeRods, circuit, point_graph, rod_graph
+from derive.inverse.loops.closing import OPEN, SAMPLES, STEP, Array, Closing, IteratedLoops, Twist, iterated, refused
 from derive.inverse.numeric.chain import NumericChain, Problem
 from derive.inverse.numeric.newton import fit
 from derive.mechanics.chain import Domain
@@ -106,8 +93,7 @@ def linkage(robot: Robot) -> tuple[Closing, ...]:
         if isinstance(one, QuantityError):
             waiting.append((loop, one))
             bare, together = tree.bare(robot), [each for each, _ in waiting]
-            one = _of_point(robot, together, found)
-            one = one or iterated(bare, together, known, _Before(bare, tuple(found)))
+            one = _of_point(robot, together, found) or iterated(bare, together, known, _Before(bare, tuple(found)))
         if one is not None:
             waiting.clear()
             found.append(one)
@@ -143,10 +129,13 @@ def _solved(robot: Robot, loop: Loop, before: Sequence[int]) -> SolvedLoop | Qua
     if loop.by is Joining.DISTANCE and len(unknown) > 1:
         found = f"{listed(robot.joints[k].variable for k in sorted(unknown))} move it, and a rod determines one joint"
         return refused(robot, loop, found, remedy="write passive on one of them, or close loops of the others first")
-    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and are_opposed(robot, loop))
+    own = circuit(robot, loop, before, opposed=loop.by is Joining.REVOLUTE and closings.are_opposed(robot, loop))
     passive = tuple(k for k in own.places if k in unknown)
     try:
-        graph = solve(own.arm) if loop.by is not Joining.DISTANCE else _of_rod(robot, own)
+        if loop.by is Joining.DISTANCE:
+            graph = rod_graph(own.arm, [not x for x in own.pose(PolynomialDomain(robot, rates=False)).position])
+        else:
+            graph = solve(own.arm)
     except QuantityError:  # its message is about the arm
         found = f"it does not determine {listed(robot.joints[k].variable for k in passive)}"
         return refused(robot, loop, found, remedy="write passive on fewer of them, or close more loops")
@@ -177,7 +166,7 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
         return None
     exact = PolynomialDomain(robot, [loop.length for loop in loops], rates=False)
     for loop in loops:
-        _, ways = slides(robot, loop, exact, passive)
+        _, ways = closings.slides(robot, loop, exact, passive)
         if any(dot(u, v) != exact.number(int(u is v)) for u in ways for v in ways):
             return None
     # The coordinate along which the line of the points goes most is found first, and divides the others.
@@ -196,18 +185,11 @@ def _of_point(robot: Robot, loops: Sequence[Loop], before: Sequence[Closing]) ->
     return SolvedLoop(loops=own.loops, passive=tuple(passive), circuit=own, graph=graph, leaf=leaf)
 
 
-def _of_rod(robot: Robot, own: Circuit) -> SolutionGraph:
-    position = own.pose(PolynomialDomain(robot, rates=False)).position
-    if (graph := rod_graph(own.arm, tuple(not x for x in position))) is None:
-        raise QuantityError("the joint does not change the distance of the ends")
-    return graph
-
-
 def _columns(
     robot: Robot, one: Closing, values: Mapping[str, float], full: Sequence[Array]
 ) -> tuple[dict[int, Array], list[Array]]:
     """Twists of the joints of a loop and of its closure where it is assembled, (configurations, 6) each."""
-    found, closing = twists(robot, one, ArrayDomain(robot, full, values))
+    found, closing = closings.twists(robot, one, ArrayDomain(robot, full, values))
     linear = [x for twist in found.values() for k, x in enumerate(twist) if k % 6 < 3]
     unit = max(np.abs(x).max() for x in linear) or 1.0  # of lengths
 
@@ -283,38 +265,29 @@ def assembled(robot: Robot, loops: Sequence[Closing]) -> tuple[dict[str, float],
     source, symbols = np.random.default_rng(7), free_symbols(robot)
     for _ in range(_DRAWS if symbols else 1):
         values = parameter_values(robot, {name: source.uniform(0.2, 1.0) for name in symbols})
-        q, way = [], reach(robot, values)
-        for variable in robot.variables:
-            most = math.pi if variable.is_revolute else way
-            low, high = (to_float(limit, values) for limit in variable.limits) if variable.limits else (-most, most)
-            q.append(source.uniform(low, high, SAMPLES))
+        q = closings.drawn(robot, robot.variables, values, source, SAMPLES)
         full, exists = positions(robot, loops, q, values)
         numbers = {name: float(value) for name, value in values.items()}
         if exists.any():
             return numbers, [x[exists] for x in q], [x[exists] for x in full], 0.0
-    if not isinstance(last := loops[-1], SolvedLoop):
-        assert isinstance(last, IteratedLoops)
-        return (
-            numbers,
-            q,
-            list(source.uniform(-2, 2, (robot.n, SAMPLES))),
-            float(last.searched(numbers)[2].min()) + _TINY,
-        )
-    if last.loop.by is Joining.DISTANCE:
-        missing = float(_stretch(robot, last, full, values).min()) + _TINY
-        return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
-    frame = last.circuit.pose(ArrayDomain(robot, full, values))
-    entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
-    arm = Problem(NumericChain.of(last.circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
-    arm = replace(arm, free=np.array([k not in last.graph.given for k in range(arm.chain.n)]))
-    closest, _ = fit(arm, np.full((SAMPLES, arm.chain.n), 0.7))
-    missing = float((arm.residual(closest) * arm.unit).min()) + _TINY
-    return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), missing
+    if isinstance(last := loops[-1], IteratedLoops):
+        missing = last.searched(numbers)[2]
+    elif last.loop.by is Joining.DISTANCE:
+        missing = _stretch(robot, last, full, values)
+    else:
+        assert isinstance(last, SolvedLoop)
+        frame = last.circuit.pose(ArrayDomain(robot, full, values))
+        entries = [np.broadcast_to(x, SAMPLES) for row in frame.rows(np.float64(0), np.float64(1)) for x in row]
+        arm = Problem(NumericChain.of(last.circuit.arm, numbers), np.stack(entries, axis=-1).reshape(-1, 4, 4))
+        arm = replace(arm, free=np.array([k not in last.graph.given for k in range(arm.chain.n)]))
+        closest, _ = fit(arm, np.full((SAMPLES, arm.chain.n), 0.7))
+        missing = arm.residual(closest) * arm.unit
+    return numbers, q, list(source.uniform(-2, 2, (robot.n, SAMPLES))), float(missing.min()) + _TINY
 
 
 def _stretch(robot: Robot, one: Closing, full: Sequence[Array], values: Mapping[str, Any]) -> Array:
     """By how much the way between the ends of a rod is longer or shorter than it is, the most of several [m]."""
-    ways = [(gaps(robot, loop, ArrayDomain(robot, full, values)), loop.length) for loop in one.loops]
+    ways = [(closings.gaps(robot, loop, ArrayDomain(robot, full, values)), loop.length) for loop in one.loops]
     stretched = [np.abs(np.sqrt(dot(way, way)) - to_float(length, values)) for way, length in ways]
     return np.asarray(np.max(stretched, axis=0))
 
@@ -358,7 +331,7 @@ class Reached:
 
         They begin from the nearest configuration that is known, to which others are added on the way.
         """
-        rows, whole = q.reshape(-1, q.shape[-1]), reach(self._robot, values)
+        rows, whole = q.reshape(-1, q.shape[-1]), closings.reach(self._robot, values)
         unit = [1.0 if x.is_revolute else whole for x in self._robot.variables]
         own = [1.0 if x.is_revolute else whole for x in self._robot.passive]
         if not len(self._q):
@@ -416,7 +389,7 @@ def rates(
     shape = np.shape(full[0])
     matrix, far = np.multiply.outer(np.array(constant_rows(robot, values), dtype=float), np.ones(shape)), np.ones(shape)
     for one in loops:
-        columns, _ = twists(robot, one, ArrayDomain(robot, full, values))
+        columns, _ = closings.twists(robot, one, ArrayDomain(robot, full, values))
         own = [[np.broadcast_to(columns[p][row], shape) for p in one.passive] for row in one.rows]
         # J_p qd_p + J_a qd_a = 0; the rates of its own joints are still zero.
         rest = [sum(columns[m][row] * matrix[m] for m in columns) for row in one.rows]
@@ -430,7 +403,7 @@ def rates(
 
 def slopes(robot: Robot, one: Closing, domain: PolynomialDomain) -> Slopes:
     """How the passive joints of a loop follow the variables."""
-    (columns, _), zero = twists(robot, one, domain), domain.ring.zero
+    (columns, _), zero = closings.twists(robot, one, domain), domain.ring.zero
     first = {name.name: numerator for name, numerator in one.first(robot, columns, domain)}
     second: dict[str, Polynomial] = {}
     names, followed = [each.variable for each in robot.variables], {m: dict(robot.joints[m].follows) for m in columns}

@@ -20,12 +20,10 @@ import numpy as np
 from derive.algebra.angles import composed, decompose
 from derive.algebra.domain import PolynomialDomain
 from derive.errors import QuantityError
-from derive.inverse.loops.closing import Array, Closing
+from derive.inverse.loops.closing import Array, Closing, openings
 from derive.inverse.loops.linkage import assembled, linkage, positions
-from derive.mechanics.exact import Kinematics
-from derive.mechanics.vectors import column, cross, dot, subtract
 from derive.robot.description import Joining, Joint, Loop, position
-from derive.robot.expression import ZERO, Pi, add, multiply, negate, number
+from derive.robot.expression import ZERO, Pi, Power, add, multiply, negate, number
 from derive.robot.robot import Robot
 
 _STEP, _NEAR = 1e-4, 1e-3  # of the variables [rad or m], and how near to whole numbers slopes and constants are
@@ -82,14 +80,6 @@ def _proposed(robot: Robot, loops: tuple[Closing, ...]) -> Iterator[tuple[Joint,
 
 def _is_closed(robot: Robot, loop: Loop) -> bool:
     """Whether a loop that the robot no longer has is closed in every configuration."""
-    kinematics = Kinematics(robot, PolynomialDomain(robot, [loop.length], rates=False))
-    one, other = map(kinematics.placed, loop.join)
-    apart, (z, end) = subtract(other.position, one.position), (column(frame.rotation, 2) for frame in (one, other))
-    if loop.by is Joining.SPHERICAL:
-        return not any(apart)
-    if loop.by is Joining.DISTANCE:
-        return dot(apart, apart) == kinematics.domain.constant(loop.length) ** 2
-    if loop.by is Joining.REVOLUTE:  # the axes may be opposed
-        return not any((*apart, *cross(z, end)))
-    turned = [x - y for pair in zip(other.rotation, one.rotation, strict=True) for x, y in zip(*pair, strict=True)]
-    return not any((*(cross(z, apart) if loop.by is Joining.PRISMATIC else apart), *turned))
+    of_rod = [loop.length, Power(loop.length, -1)] if loop.by is Joining.DISTANCE else []
+    domain = PolynomialDomain(robot, of_rod, rates=False)
+    return not any(openings(robot, Closing(loops=(loop,), passive=()), domain)[1])

@@ -5,11 +5,14 @@ arc cosine, and every choice of a sign stands in one line. The types are those o
 Identification and Control of Robots, 2002, chapter 4; the forms are those of Craig, Spong and Siciliano.
 """
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import reduce
+from math import prod
+from typing import Any
 
+import numpy as np
 import sympy
 
 from derive.algebra.ring import Polynomial, in_lowest_terms
@@ -19,6 +22,8 @@ LONGEST_ARGUMENTS = 12  # operations of both arguments of an atan2 together; lon
 LONGEST_INLINE = 3  # operations of a quantity that is written where it is used; a longer one gets a name
 Write = Callable[[Polynomial], Expr]
 Linear = tuple[Polynomial, Polynomial, Polynomial]  # (A, B, C) of A cos + B sin = C
+Numbers = dict[Expr, Any]  # numbers by symbol
+_FUNCTIONS: Mapping[Any, Callable[..., Any]] = {sympy.sin: np.sin, sympy.cos: np.cos, sympy.atan2: np.arctan2}
 
 
 class Sign(sympy.Symbol):  # type: ignore[misc]
@@ -232,3 +237,34 @@ def _atan2(sine: Expr, cosine: Expr) -> Expr:
     if sine.func is sympy.sin and cosine.func is sympy.cos and sine.args == cosine.args:
         return sine.args[0]
     return sympy.atan2(sine, cosine, evaluate=False)
+
+
+# -- lines in numbers
+
+
+def array_value(e: Expr, known: Numbers) -> Any:
+    """An expression as an array of floats; not a number where it has no real value."""
+    if e in known:
+        return known[e]
+    arguments = [array_value(argument, known) for argument in e.args]
+    if e.is_Number or e.is_NumberSymbol:
+        found = np.float64(e)
+    elif e.is_Add:
+        found = sum(arguments[1:], arguments[0])
+    elif e.is_Mul:
+        found = prod(arguments[1:], start=arguments[0])
+    elif e.is_Pow:
+        found = np.sqrt(arguments[0]) if e.args[1] == sympy.S.Half else arguments[0] ** arguments[1]
+    else:
+        found = _FUNCTIONS[e.func](*arguments)
+    known[e] = found
+    return found
+
+
+def with_lines(values: Numbers, lines: Iterable[PrintedLine]) -> Numbers:
+    """Arrays of what is known and of lines that follow, each a symbol and its value; NaN where one has no value."""
+    known = dict(values)
+    with np.errstate(all="ignore"):
+        for line in lines:
+            known[line.symbol] = array_value(line.value, known)
+    return known

@@ -22,8 +22,8 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
+from derive.arrays import Array
 from derive.inverse.closed.fields import FloatField
 from derive.inverse.closed.graph import GraphWalk, SolutionGraph
 from derive.mechanics.chain import Chain, build_chain
@@ -32,8 +32,6 @@ from derive.mechanics.forward_kinematics import forward_kinematics, joint_poses
 from derive.robot.evaluate import Values, parameter_values, to_float
 from derive.robot.names import robot_symbols
 from derive.robot.robot import Robot
-
-Vector = npt.NDArray[np.float64]
 
 SMALL = 1e-9  # sines and lengths (in parts of the reach) below it are zero
 # Part of the poses at which a word has to hold: the elbow of an arm that reaches behind its shoulder hangs down.
@@ -59,17 +57,17 @@ class Word(StrEnum):
 class Placed:
     """An arm at one configuration."""
 
-    points: Vector  # a point of each joint's axis, (n, 3)
-    axes: Vector  # its direction, (n, 3)
-    end: Vector  # the end effector
-    q: Vector  # the joint variables
+    points: Array  # a point of each joint's axis, (n, 3)
+    axes: Array  # its direction, (n, 3)
+    end: Array  # the end effector
+    q: Array  # the joint variables
 
 
 def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
     """An arm at several configurations."""
     poses = joint_poses(chain)
 
-    def _stacked(rows: Any) -> Vector:
+    def _stacked(rows: Any) -> Array:
         return np.array([[np.broadcast_to(x, samples) for x in row] for row in rows], dtype=np.float64)
 
     points, axes = _stacked(pose.position for pose in poses), _stacked([row[2] for row in p.rotation] for p in poses)
@@ -80,7 +78,7 @@ def placed(chain: Chain[Any], q: Sequence[Any], samples: int) -> list[Placed]:
 class Shape:
     """The middle joint of a wrist, the elbow (from 0), whether a shoulder turns it; ``up`` is against gravity."""
 
-    def __init__(self, robot: Robot, example: Placed, up: Vector) -> None:
+    def __init__(self, robot: Robot, example: Placed, up: Array) -> None:
         self._robot, n = robot, robot.n
         revolute = [joint.is_revolute for joint in robot.joints]
         axes = example.axes
@@ -113,7 +111,7 @@ class Shape:
         pairs = zip(self._robot.joints, arm.q, strict=True)
         return tuple(f"{j.variable} {'>' if np.sin(x) > 0 else '<'} 0" if j.is_revolute else None for j, x in pairs)
 
-    def _centre(self, arm: Placed) -> Vector:
+    def _centre(self, arm: Placed) -> Array:
         """The centre of the wrist, or the end effector."""
         if self.wrist is None:
             return arm.end
@@ -169,12 +167,12 @@ def _either(value: float, positive: Word, negative: Word) -> Word | None:
     return None if abs(value) < SMALL else positive if value > 0 else negative
 
 
-def parallel(a: Vector, b: Vector) -> bool:
+def parallel(a: Array, b: Array) -> bool:
     """Whether two directions are the same or opposite."""
     return bool(np.linalg.norm(_cross(a, b)) < SMALL)
 
 
-def common_point(points: Vector, axes: Vector) -> Vector | None:
+def common_point(points: Array, axes: Array) -> Array | None:
     """The point through which three axes go (Pieper's condition); None where there is none, or two are parallel."""
     (p, q, r), (a, b, c) = points, axes
     if parallel(a, b) or parallel(b, c):
@@ -184,14 +182,14 @@ def common_point(points: Vector, axes: Vector) -> Vector | None:
     return centre if all(np.linalg.norm(gap) < SMALL for gap in gaps) else None
 
 
-def nearest(p: Vector, a: Vector, q: Vector, b: Vector) -> Vector:
+def nearest(p: Array, a: Array, q: Array, b: Array) -> Array:
     """The point of one line that is nearest to another."""
     normal = _cross(a, b)
     square = float(normal @ normal)
     return p if square < SMALL else p + (_cross(q - p, b) @ normal) / square * a
 
 
-def _cross(a: Vector, b: Vector) -> Vector:
+def _cross(a: Array, b: Array) -> Array:
     """a x b of two vectors, in a tenth of the time that NumPy takes for so few."""
     (x, y, z), (u, v, w) = a.tolist(), b.tolist()
     return np.array((y * w - z * v, z * u - x * w, x * v - y * u))
@@ -205,10 +203,10 @@ class Postures:
     # exists at none of the poses.
     names: tuple[str, ...]
     parameters: Values  # numbers of the parameters: those of the file, random ones for the others
-    q: Vector  # (n, poses) the configurations that the poses are made of
-    branches: tuple[Vector, ...]  # (n, poses) for each branch, not a number where it does not exist
+    q: Array  # (n, poses) the configurations that the poses are made of
+    branches: tuple[Array, ...]  # (n, poses) for each branch, not a number where it does not exist
 
-    def places(self, printed: Sequence[Vector]) -> list[int]:
+    def places(self, printed: Sequence[Array]) -> list[int]:
         """To which branch each of as many solutions, (n, poses) or NaN, leads most often; each to another one."""
         hits: Counter[tuple[int, int]] = Counter()
         with np.errstate(invalid="ignore"):
@@ -257,6 +255,6 @@ def postures(robot: Robot, graph: SolutionGraph) -> Postures:
     return Postures(tuple(names), known, q, tuple(branches))
 
 
-def _chain(robot: Robot, known: Values, q: Vector) -> Chain[Any]:
+def _chain(robot: Robot, known: Values, q: Array) -> Chain[Any]:
     bare = replace(robot, links=(), gravity=None)
     return build_chain(bare, ArrayDomain(bare, list(q), known))

@@ -21,9 +21,8 @@ import sympy
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import Freedom
 from derive.inverse.numeric.chain import Array
-from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers, with_lines
-from derive.inverse.words.elementary import PrintedLine, is_negative
-from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
+from derive.inverse.words.elementary import Numbers, PrintedLine, array_value, is_negative, with_lines
+from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics, parameter_numbers
 from derive.lecture.point import DIGITS, value_of, written
 from derive.lecture.sympy_conversion import Expr
 from derive.robot.options.inverse import POSE, InverseOptions, Task

@@ -1,8 +1,9 @@
 """Inverse kinematics as a quantity of a model: how textbooks derive it, every branch, and the proof."""
 
 import random
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import chain, combinations, product
 from typing import Any
@@ -16,13 +17,13 @@ from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.closed.graph import SolutionGraph
 from derive.inverse.closed.nodes import NodeKind
 from derive.inverse.closed.solve import solve
-from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, Numbers, parameter_numbers, with_lines
 from derive.inverse.words.derivation import PrintedDerivation
-from derive.inverse.words.elementary import PrintedLine, Sign
+from derive.inverse.words.elementary import Numbers, PrintedLine, Sign, with_lines
 from derive.inverse.words.postures import postures
 from derive.lecture.point import DIGITS, value_of, written
 from derive.lecture.sympy_conversion import Expr, Matrix, aligned_latex, expression_to_sympy
 from derive.mechanics.chain import Chain, build_chain
+from derive.mechanics.floats import FloatDomain
 from derive.mechanics.forward_kinematics import forward_kinematics
 from derive.robot.expression import Expression
 from derive.robot.names import robot_symbols
@@ -33,6 +34,45 @@ from derive.robot.robot import Robot
 POSES = 3  # random reachable poses at which the solutions are put into T
 _KEPT = 32  # arms that are kept for those who ask for them again: sheets in three languages say the same of one
 CLOSE = mpmath.mpf(10) ** -25  # below it two numbers of fifty digits are equal: a double root costs half of the digits
+
+
+def parameter_numbers(robot: Robot, rng: random.Random) -> Numbers:
+    """Numbers of all parameters: those of the robot file, random ones for the others, with the precision of mpmath."""
+    known: Numbers = {}
+    for name, expression in robot.parameters:
+        known[sympy.Symbol(name)] = value_of(expression_to_sympy(expression), dict(known))
+    for name in robot_symbols(robot):
+        known.setdefault(sympy.Symbol(name), mpmath.mpf(rng.randint(20, 90)) / 97)
+    return known
+
+
+class DigitsDomain(FloatDomain):
+    """Cells of a robot and joint positions as numbers of mpmath, with its working precision."""
+
+    functions = (mpmath.cos, mpmath.sin, mpmath.mpf)
+
+    def __init__(self, robot: Robot, q: Sequence[Any], values: Numbers) -> None:
+        super().__init__(robot, q, {})
+        self._known = dict(values)
+
+    def number(self, value: int | Fraction) -> Any:
+        """A rational."""
+        return self.functions[2](value.numerator) / value.denominator
+
+    def constant(self, expression: Expression) -> Any:
+        """The value of a cell."""
+        return self.functions[2](value_of(expression_to_sympy(expression), self._known))
+
+    def cosine_sine(self, angle: Expression) -> Any:
+        """Cosine and sine of a constant angle."""
+        value, number = expression_to_sympy(angle), self.functions[2]
+        return tuple(number(value_of(function(value), self._known)) for function in (sympy.cos, sympy.sin))
+
+
+class ArrayDomain(DigitsDomain):
+    """The same at many configurations, as arrays of floats."""
+
+    functions = (np.cos, np.sin, float)
 
 
 @dataclass(frozen=True)

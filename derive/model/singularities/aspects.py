@@ -27,9 +27,8 @@ import sympy
 
 from derive.inverse.closed.branches import InverseSolver
 from derive.inverse.numeric.chain import Array, NumericChain
-from derive.inverse.numeric.in_numbers import Numbers, array_value, parameter_numbers, with_lines
-from derive.inverse.words.elementary import Sign
-from derive.inverse.words.solutions import InverseKinematics
+from derive.inverse.words.elementary import Numbers, Sign, array_value, with_lines
+from derive.inverse.words.solutions import InverseKinematics, parameter_numbers
 from derive.lecture.point import DIGITS, value_of
 from derive.lecture.sympy_conversion import Expr
 from derive.model.singularities.singularities import Condition, Outcome, SingularFactor, Singularities

@@ -13,9 +13,8 @@ import numpy as np
 from sympy import QQ, Expr, Float, Integer, Poly, Rational, Symbol, cancel, expand, pi, radsimp, roots, sqrt
 
 from derive.arrays import Array
-from derive.plans.hermite import ZERO, Piece, power_coefficients
 from derive.plans.plan import Plan
-from derive.plans.profile import CRUISE, AnyPiece, Cosine, Curve
+from derive.plans.profile import CRUISE, ZERO, AnyPiece, Cosine, Curve, Piece, power_coefficients
 from derive.plans.segments import Peak
 from derive.robot.evaluate import evaluate
 from derive.robot.expression import Expression, names

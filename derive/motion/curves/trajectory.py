@@ -16,8 +16,7 @@ from sympy import Abs, Expr, Float, Integer, Pow, cos, preorder_traversal, tan
 from derive.arrays import Array, Indices
 from derive.errors import Location, QuantityError, RobotFileError, listed, optional, quoted
 from derive.motion.curves.limits import refined
-from derive.plans.hermite import TIME, ZERO, Piece, joined, power_coefficients, sampled
-from derive.plans.profile import AnyPiece, Cosine, Curve
+from derive.plans.profile import TIME, ZERO, AnyPiece, Cosine, Curve, Piece, joined, power_coefficients, sampled
 from derive.plans.segments import Joints, Segment
 from derive.robot.load import file_bytes
 from derive.robot.names import acceleration_name, velocity_name

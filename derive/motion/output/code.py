@@ -5,7 +5,7 @@
 
 Both are made of the same tapes, one for each kind of piece, and of one table of pieces, whose rows begin with start and
 duration; then come the values at the ends. A polynomial is the sum of its values by the basis of
-`derive.plans.hermite`, so that nothing is rounded at its ends in any language.
+`derive.plans.profile`, so that nothing is rounded at its ends in any language.
 """
 
 import ctypes
@@ -25,8 +25,7 @@ from derive.errors import QuantityError, VerificationError
 from derive.interrupts import TemporaryFolder
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.motion.motion import Motion
-from derive.plans.hermite import TIME, Piece, basis
-from derive.plans.profile import AnyPiece, Cosine
+from derive.plans.profile import TIME, AnyPiece, Cosine, Piece, basis
 from derive.programs.program import joint_lines
 from derive.programs.tape.build import cut
 from derive.programs.tape.derivative import derivative

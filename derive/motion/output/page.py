@@ -21,8 +21,7 @@ from derive.motion.motion import Motion
 from derive.motion.output.code import Kernel
 from derive.motion.output.film import motion_normal
 from derive.motion.simulation.simulation import Run
-from derive.plans.hermite import TIME, Piece, basis
-from derive.plans.profile import Curve
+from derive.plans.profile import TIME, Curve, Piece, basis
 from derive.plans.segments import Payload
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort

@@ -22,7 +22,7 @@ from derive.motion.curves.limits import ROUNDING, Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
 from derive.motion.torques.functions import Functions, arm_of, check_numbers, joint_positions
-from derive.plans.hermite import MOST_PRINTED, TIME
+from derive.plans.profile import MOST_PRINTED, TIME
 from derive.plans.segments import DIGITS, Peak, SegmentPeaks, formula
 from derive.robot.names import acceleration_name, free_symbols, velocity_name
 from derive.robot.robot import Robot

@@ -26,7 +26,7 @@ from sympy import Expr, Float
 from derive.arrays import Array, Indices
 from derive.errors import QuantityError, optional
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
-from derive.plans.hermite import MOST_PRINTED, ZERO, Piece, joined, sampled, symbolic
+from derive.plans.profile import MOST_PRINTED, ZERO, Piece, joined, sampled, symbolic
 from derive.plans.segments import Joints
 
 Torques = Callable[[Indices, Array, Array, Array], Array]  # of steps by index, at q, qd, qdd: (...), then (..., n)

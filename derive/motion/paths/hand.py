@@ -17,8 +17,8 @@ from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.fastest import UNIFORM, FastestMotion, Torques, grid_of, smooth_path
 from derive.motion.paths.poses import NEAR, NODES, Follower, Way, rotation_of, rotation_vector, spline_way
 from derive.motion.torques.functions import Functions, arm_of
-from derive.plans.hermite import ZERO, Piece
 from derive.plans.plan import Plan
+from derive.plans.profile import ZERO, Piece
 from derive.plans.segments import Joints, Point, Step, Vector
 from derive.robot.description import Link
 from derive.robot.evaluate import evaluate

@@ -22,8 +22,7 @@ from derive.errors import DeriveError, Location, RobotFileError
 from derive.inverse.numeric.chain import cross_matrix
 from derive.motion.curves.trajectory import Trajectory
 from derive.motion.torques.functions import Functions
-from derive.plans.hermite import Piece
-from derive.plans.profile import spline
+from derive.plans.profile import Piece, spline
 from derive.robot.robot import Robot
 
 if TYPE_CHECKING:

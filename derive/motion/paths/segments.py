@@ -10,9 +10,8 @@ from derive.motion.curves.limits import MOST_CRUISE, numeric_peak, placed, propo
 from derive.motion.curves.trajectory import ONE, Corner, Trajectory
 from derive.motion.paths.hand import Hand
 from derive.plans import profile as profiles
-from derive.plans.hermite import ZERO, Piece, joined, symbolic
 from derive.plans.plan import Plan
-from derive.plans.profile import CRUISE, UNIT_PEAKS, VALUES, AnyPiece, Curve, Profile
+from derive.plans.profile import CRUISE, UNIT_PEAKS, VALUES, ZERO, AnyPiece, Curve, Piece, Profile, joined, symbolic
 from derive.plans.segments import Joints, Segment, Step
 
 

@@ -13,9 +13,11 @@ and the energies, by velocities alone, are told apart by any fault in either).
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property, lru_cache
 from typing import Any, Generic, Self
 
 import numpy as np
+from sympy import Expr, Integer, Matrix, cos, eye, sin
 
 from derive.arrays import Array
 from derive.mechanics import newton_euler, vectors
@@ -25,8 +27,8 @@ from derive.mechanics.floats import ArrayDomain, FloatDomain
 from derive.mechanics.joint_motion import along_axes
 from derive.mechanics.newton_euler import LinkMotion, angular_acceleration_tensor, carried_wrenches, inverse_dynamics
 from derive.mechanics.vectors import Frame, S, Symmetric, Vector, add, dot, matmul, multiply, subtract, transpose
+from derive.plans.profile import TIME, Curve
 from derive.plans.segments import Payload
-from derive.plans.surroundings import BaseCurve
 from derive.programs.tape.build import cut
 from derive.programs.tape.graph import Graph
 from derive.programs.tape.tape import Tape
@@ -84,6 +86,7 @@ class OpenLinks:
         return found
 
 
+KEPT = 8  # single times whose transforms are kept: plant and controller ask for the same
 BASE = "base"  # argument of a tape: upper rows of the transform of the base, its rate and second derivative
 
 
@@ -146,6 +149,37 @@ class NumberedDomain(TapeDomain):
     def constant(self, expression: Expression) -> Value:
         """The value of a cell."""
         return self.number(Fraction(evaluate(expression, self._values)))
+
+
+@dataclass(frozen=True)
+class BaseCurve:
+    """The transform of a moving base and its derivatives, exact."""
+
+    transform: Matrix  # from the base of the robot file to the world, (4, 4), in the symbol `TIME`
+
+    @classmethod
+    def of(cls, place: tuple[Expr, ...], angles: tuple[Expr, ...]) -> Self:
+        """The transform of formulas."""
+        # R = Rz(yaw) Ry(pitch) Rx(roll).
+        turns = (vectors.about_axis(k, cos(x), sin(x), Integer(0), Integer(1)) for k, x in enumerate(angles))
+        roll, pitch, yaw = map(Matrix, turns)
+        whole = eye(4)
+        whole[:3, :3], whole[:3, 3] = yaw * pitch * roll, Matrix(place)
+        return cls(whole)
+
+    def __call__(self, t: Array, order: int) -> Array:
+        """The transform, or a derivative of it by time."""
+        return np.stack([curve.sampled(t, order) for curve in self._curves], axis=-1).reshape(-1, 4, 4)
+
+    @cached_property
+    def single(self) -> Callable[[float], tuple[list[list[float]], ...]]:
+        """Transform, rate and second derivative at one time, as rows; what was asked last is kept."""
+        return lru_cache(KEPT)(lambda t: tuple(self(np.array([t]), order)[0].tolist() for order in range(3)))
+
+    @cached_property
+    def _curves(self) -> list[Curve]:
+        rates = [(entry, entry.diff(TIME)) for entry in self.transform]
+        return [Curve(Integer(0), Integer(1), (entry, rate, rate.diff(TIME))) for entry, rate in rates]
 
 
 @dataclass(frozen=True)

@@ -386,8 +386,7 @@ def _solved(one: SolvedLoop, domain: TapeDomain) -> dict[int, tuple[Value, ...]]
 
 def iterated_positions(robot: Robot, graph: Graph) -> list[Value]:
     """Passive joints by damped Newton steps from where they are given, and by how much the loops are open then."""
-    from derive.inverse.loops.closing import lengths, openings, twists
-    from derive.inverse.loops.iterated import STEP, STEPS
+    from derive.inverse.loops.closing import STEP, STEPS, lengths, openings, twists
     from derive.inverse.loops.linkage import SolvedLoop, linkage
 
     bare, numbers = replace(robot, links=(), gravity=None), dict[int, tuple[Value, ...]]()

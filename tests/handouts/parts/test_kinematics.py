@@ -24,8 +24,7 @@ from derive.handouts.sheet.latex_writer import latex
 from derive.mechanics.floats import value_at
 from derive.model.entries import ModelEntries
 from derive.model.model import Model
-from derive.plans.hermite import TIME, Piece
-from derive.plans.profile import AnyPiece, Curve
+from derive.plans.profile import TIME, AnyPiece, Curve, Piece
 from derive.plans.segments import Load, Peak, Segment, SegmentPeaks
 from derive.robot.expression import Number, Pi, Product
 from derive.robot.names import robot_symbols

@@ -7,8 +7,7 @@ from scipy.optimize import root
 from derive.errors import QuantityError
 from derive.handouts.notation.notation import Notation
 from derive.handouts.parts.closure import closure_lines
-from derive.inverse.loops.closing import Closing
-from derive.inverse.loops.iterated import IteratedLoops
+from derive.inverse.loops.closing import Closing, IteratedLoops
 from derive.inverse.loops.linkage import linkage, positions, rates
 from derive.lecture.shorthand import read_formula
 from derive.model.equality import compare

@@ -10,8 +10,9 @@ import pytest
 import sympy
 
 from derive.inverse.numeric.chain import POSITION, NumericChain, Problem
-from derive.inverse.numeric.in_numbers import ArrayDomain, DigitsDomain, array_value, parameter_numbers
 from derive.inverse.numeric.newton import Status, fit, polish, solve
+from derive.inverse.words.elementary import array_value
+from derive.inverse.words.solutions import ArrayDomain, DigitsDomain, parameter_numbers
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.mechanics.forward_kinematics import forward_kinematics as end_of

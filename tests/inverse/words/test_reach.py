@@ -12,11 +12,10 @@ import sympy
 
 from derive.inverse.closed.solve import solve
 from derive.inverse.numeric.chain import NumericChain
-from derive.inverse.numeric.in_numbers import ArrayDomain, array_value
-from derive.inverse.words.elementary import PrintedLine
+from derive.inverse.words.elementary import PrintedLine, array_value
 from derive.inverse.words.postures import LOOKED_AT, Placed, Shape, Word, placed, postures
 from derive.inverse.words.reach import Reach
-from derive.inverse.words.solutions import InverseKinematics, inverse_kinematics
+from derive.inverse.words.solutions import ArrayDomain, InverseKinematics, inverse_kinematics
 from derive.mechanics.chain import build_chain
 from derive.mechanics.floats import FloatDomain
 from derive.model.model import Model

@@ -11,9 +11,8 @@ from derive.motion.curves.limits import Limits, Violation, exceeded, nearby, pea
 from derive.motion.curves.trajectory import Segment, Trajectory, followed, read_recording
 from derive.motion.motion import Motion
 from derive.motion.output.printed import samples
-from derive.plans.hermite import TIME, Piece, joined
-from derive.plans.hermite import TIME as t
-from derive.plans.profile import CRUISE, Curve, spline, via_velocities
+from derive.plans.profile import CRUISE, TIME, Curve, Piece, joined, spline, via_velocities
+from derive.plans.profile import TIME as t
 from derive.robot.robot import Robot
 from tests.motion.plans import PICK_AND_PLACE
 

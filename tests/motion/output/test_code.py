@@ -15,8 +15,7 @@ from derive.motion.motion import Motion
 from derive.motion.output import code
 from derive.motion.output.code import MODULE, MotionCode, VerifiedCode, kernel_of
 from derive.motion.output.printed import printed
-from derive.plans.hermite import TIME
-from derive.plans.profile import Curve
+from derive.plans.profile import TIME, Curve
 from derive.publish.modules import module_of
 from derive.targets.compiler import find_compiler
 from tests.cli.command import derive

@@ -23,7 +23,7 @@ from derive.motion.output.printed import (
     table,
     violations,
 )
-from derive.plans.hermite import TIME
+from derive.plans.profile import TIME
 from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT, swing
 
 LIMITED = """\

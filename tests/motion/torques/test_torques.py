@@ -11,11 +11,10 @@ from sympy import Rational, cos, sin
 
 from derive.arrays import Array
 from derive.motion.motion import Motion
-from derive.motion.torques.base_torques import BaseTorques, OpenLinks
+from derive.motion.torques.base_torques import BaseCurve, BaseTorques, OpenLinks
 from derive.motion.torques.functions import loads
-from derive.plans.hermite import TIME
+from derive.plans.profile import TIME
 from derive.plans.segments import Payload
-from derive.plans.surroundings import BaseCurve
 from derive.robot.description import Link
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name
