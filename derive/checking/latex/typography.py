@@ -36,6 +36,7 @@ _INK = re.compile(
     r"|_\s*\{\s*[0-9]\s*\\times\s*[0-9]\s*\}"  # the size of a matrix
     r"|\\[,;:!> /]|~"
     r"|\\(?:mathrm|mathit|mathbf|text|textrm|mbox)\s*\{\s*\}"
+    rf"|\\(?:mathrm|text|textrm)\s*\{{\s[a-zA-Z]+\}}\s*\^\s*(?:{_GROUP}|[0-9])"  # a unit, 18.85 \text{{ m}}^2
     # nothing in braces, but where it bears the scripts of the letter behind it: {}^0T_1
     r"|(?<=[A-Za-z0-9)}\]])\{\s*\}(?=\s*\^\s*(?:\{[^{}]*\}|[0-9])(?![_^]|\\?[A-Za-z{]))|\{\s*\}(?!\s*[_^])"
 )
