@@ -20,7 +20,8 @@ from derive.lecture.sympy_conversion import Expr, expression_from_sympy
 from derive.model.equality import compare, form_of, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
-from derive.robot.expression import Call, Expression, Number, Product, Sum, add, children, multiply, names, substitute
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Sum, add, children, names, substitute
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 from derive.robot.robot import Robot
@@ -234,22 +235,11 @@ def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
     accelerations, velocities = set(map(acceleration_name, variables)), set(map(velocity_name, variables))
     frictional = {name for link in robot.links for cell in (link.viscous, *link.dry) for name in names(cell)}
     found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}
-    for term in _addends(formula):
+    for term in (tree.multiply(tree.number(factor), term) for factor, term in tree.linear_terms(formula)):
         used = set(names(term))
         moving = "friction" if used & frictional else "velocities"
         found["accelerations" if used & accelerations else moving if used & velocities else "gravity"].append(term)
     return {title: add(*terms) for title, terms in found.items()}
-
-
-def _addends(e: Expression) -> Iterator[Expression]:
-    """The terms of a sum, a number in front of it multiplied in."""
-    if isinstance(e, Sum):
-        for term in e.terms:
-            yield from _addends(term)
-    elif isinstance(e, Product) and len(e.factors) == 2 and isinstance(e.factors[0], Number):
-        yield from (multiply(e.factors[0], term) for term in _addends(e.factors[1]))
-    else:
-        yield e
 
 
 def _reason(part: _ExamplePart, style: Style) -> str:

@@ -37,11 +37,7 @@ COMMANDS = {
     "completion": "print a completion script for the shell",
 }
 OF_DATA = ("excite", "identify", "map", "sample")
-# Commands that read robot files.
-OF_A_ROBOT = (
-    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
-    "map", "new", "sample",
-)  # fmt: skip
+OF_NO_ROBOT = ("list", "import", "schema", "completion")  # commands that read no robot file
 # Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
 # A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -168,7 +164,7 @@ class _Command(_Parser):
         self.description, _, examples = module.DESCRIPTION.rpartition("\n\n")
         self.epilog = f"examples:\n{examples}"
         module.configure(self)
-        if name in OF_A_ROBOT:
+        if name not in OF_NO_ROBOT:
             add_shared(self, "strict")
         self.old = OLD.get(name, {})
         self.set_defaults(run=module.run)
