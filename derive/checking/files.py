@@ -15,7 +15,7 @@ from derive.checking.formulas import printed, reading
 from derive.checking.formulas.findings import FileReport
 from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.frames_file import NO_ROBOT, check_frames
-from derive.checking.inverse.check import check_inverse, inverse_text, names_inverse
+from derive.checking.inverse.check import check_inverse, names_inverse
 from derive.checking.inverse.reading import gives_joints
 from derive.checking.latex.check import LatexReport, check_latex
 from derive.checking.methods_file import SETS, check_methods
@@ -195,8 +195,9 @@ def _solution(node: Node, lines: Sequence[str]) -> printed.InverseText:
     texts = content.items if isinstance(content, YamlSequence) else [content]
     parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
     order = reading.word(item, "atan2", ("yx", "xy"), "")  # of its arguments: the sine first, or the cosine
-    asked = printed.Asked(item.location, _task(item), order == "xy" if order else None)
-    return printed.InverseText(parts, asked, "latex" in item.entries, False, reading.status(item), reading.remark(item))
+    plain = printed.InverseText(parts, item.location, _task(item), order == "xy" if order else None)
+    said, is_latex = reading.remark(item), "latex" in item.entries
+    return replace(plain, latex=is_latex, status=reading.status(item), remark=said)
 
 
 def _task(item: YamlMapping) -> Task | None:
@@ -222,19 +223,14 @@ def formula_printout(
     robot: Robot, quantity: str, formula: str | Manuscript, *, latex: bool = False, task: str = ""
 ) -> Printout:
     """The comparison of a formula or document with one robot; of LaTeX the quantity may be a matrix, or none."""
-    model, source = Model(robot), "--latex" if latex else "--expression"
+    model, document = Model(robot), formula if isinstance(formula, Manuscript) else None
     robot = model.robot  # whose parallelograms are coupled joints
-    if isinstance(formula, Manuscript):
-        report = _compared(model, formula, quantity, task, alone=True)
-        return printout_of(_placed(report, formula, robot, formula.name), robot)
-    if names_inverse(model, quantity) or (latex and not (quantity or robot.is_tree) and gives_joints(formula, robot)):
-        asked = printed.Asked(Location(source), _rows_of_task(model, task))
-        report = LatexReport(*check_inverse(model, inverse_text(formula, asked, latex=latex)))
-    elif latex:
-        report = check_latex(model, formula, quantity, Location(source))
+    if latex or names_inverse(model, quantity):
+        source = document.name if document else "--latex" if latex else "--expression"
+        report = _compared(model, formula, source, quantity, task, latex=latex, alone=document is not None)
     else:
-        report, source = LatexReport((check_expression(model, quantity, formula),)), robot.name
-    return printout_of(_placed(report, None, robot, source), robot)
+        source, report = robot.name, LatexReport((check_expression(model, quantity, str(formula)),))
+    return printout_of(_placed(report, document, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -245,7 +241,7 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
     refused = None
     for robot in robots:
         try:
-            found.append((robot, _compared(Model(robot), document)))
+            found.append((robot, _compared(Model(robot), document, document.name, "", "", alone=False)))
         except CheckError as error:
             refused = error
     if refused is not None and not found:
@@ -257,15 +253,21 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
 
 
 def _compared(
-    model: Model, document: Manuscript, quantity: str = "", task: str = "", *, alone: bool = False
+    model: Model, formula: str | Manuscript, source: str, quantity: str, task: str, *, latex: bool = True, alone: bool
 ) -> LatexReport:
+    """The comparison of LaTeX, or of a solution of the inverse kinematics."""
+    document, where = formula if isinstance(formula, Manuscript) else None, Location(source)
+    text, robot = document.text if document else str(formula), model.robot
+    is_solution = not (document or quantity or robot.is_tree) and gives_joints(text, robot)
     try:
-        if names_inverse(model, quantity):
-            asked = printed.Asked(Location(document.name), _rows_of_task(model, task))
-            return LatexReport(*check_inverse(model, inverse_text(document.text, asked, latex=True, document=True)))
-        return check_latex(model, document.text, quantity, Location(document.name), document=True, alone=alone)
+        if not (is_solution or names_inverse(model, quantity)):
+            return check_latex(model, text, quantity, where, document=document is not None, alone=alone)
+        rows = chosen_task(task.replace(",", " ").split(), model.n) if task else None
+        parts = (printed.PrintedText(text, where),)
+        solution = printed.InverseText(parts, where, rows, latex=latex, document=document is not None)
+        return LatexReport(*check_inverse(model, solution))
     except CheckError as error:
-        raise document.moved(error) from None
+        raise (document.moved(error) if document else error) from None
 
 
 def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, source: str) -> FileReport:
@@ -274,10 +276,6 @@ def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, sour
     findings = tuple(replace(f, location=placed(f.location)) for f in found) if document else found
     unread = tuple(f"{placed(one.location)}: {one.reason}" for one in report.skipped)
     return FileReport(source, robot.name, findings, unread, readings=report.readings)
-
-
-def _rows_of_task(model: Model, task: str) -> tuple[str, ...] | None:
-    return chosen_task(task.replace(",", " ").split(), model.n) if task else None
 
 
 def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = ()) -> Printout:
