@@ -175,14 +175,13 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
             allowed="formulas that can be written in more than one way tell the style",
             remedy=f"give a corpus file, or {EXAMPLE} 'tau[1] = ...'",
         )
-    evidence = StyleEvidence(found)
-    chosen = evidence.finding(evidence.best_style())
-    verdicts = []
-    for finding in chosen.findings:
+    evidence, verdicts = StyleEvidence(found), []
+    chosen = evidence.best_style()
+    for finding in evidence.findings(chosen):
         of, outcome = finding.example, finding.outcome.value
         written, place = TextPrinter(of.robot).doprint(finding.written), str(of.location)
         verdicts.append(ExampleVerdict(of.quantity, outcome, of.text, written, finding.reason, place))
-    return FoundStyle(chosen.style, tuple(verdicts), evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
+    return FoundStyle(chosen, tuple(verdicts), evidence.reproduced(NAMED_STYLES[DEFAULT_STYLE]))
 
 
 def _printed_in(source: RobotLike) -> list[Example]:

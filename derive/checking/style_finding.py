@@ -65,19 +65,6 @@ class ExampleFinding:
     reason: str = ""  # why the form differs, in a few words; empty where it does not
 
 
-@dataclass(frozen=True, slots=True)
-class StyleFinding:
-    """The style that writes most examples as they are printed."""
-
-    style: Style
-    findings: tuple[ExampleFinding, ...]  # what it makes of each example, in their order
-
-    @property
-    def reproduced(self) -> int:
-        """How many examples come out in the printed form."""
-        return sum(found.outcome is Outcome.SAME_FORM for found in self.findings)
-
-
 def printed_examples(findings: Iterable[Finding]) -> list[Example]:
     """The formulas that can be written in more than one way: those that contain a sum."""
     found = []
@@ -111,8 +98,12 @@ class StyleEvidence:
         """Whether a style writes an example as it is printed."""
         return all(part.fits(style) for part in self._parts[i])
 
-    def finding(self, style: Style) -> StyleFinding:
-        """What a style makes of the examples."""
+    def reproduced(self, style: Style) -> int:
+        """How many examples come out as printed."""
+        return _score(style, self._parts)[0]
+
+    def findings(self, style: Style) -> list[ExampleFinding]:
+        """What a style makes of each example, in their order."""
         found = []
         for example, parts in zip(self.examples, self._parts, strict=True):
             written = scalar_quantity(self._robots[example.robot].model(style), example.quantity)
@@ -122,7 +113,7 @@ class StyleEvidence:
                 if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
                     outcome, reason = Outcome.WRONG, "it is not equal to the derived formula"
             found.append(ExampleFinding(example, outcome, written, reason))
-        return StyleFinding(style, tuple(found))
+        return found
 
 
 def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from derive.errors import DeriveError, listed, near_miss, quoted
+from derive.errors import DeriveError, listed, quoted, require_known
 from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, body_chain, given
 from derive.exchange.certificate import ball, frame_of
 from derive.exchange.numeric import with_numbers, with_positive_axes
@@ -195,9 +195,7 @@ class Exported:
 
 def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
     """A robot in the format of another program."""
-    if to not in FORMS:
-        allowed = f"allowed: {', '.join(FORMS)}"
-        raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
+    require_known(to, FORMS, f"unknown format {quoted(to)}")
     if to not in TREES:
         require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are
