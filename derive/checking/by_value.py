@@ -314,7 +314,7 @@ class ByValue:
 
         def stretches(at: Mapping[str, float]) -> list[Array]:
             whole = matrix_value(self._model.quantity("J"), at)
-            return [np.linalg.svd(part, compute_uv=False) for part in (whole, whole[:3])]
+            return [np.linalg.svd(part, compute_uv=False).astype(float) for part in (whole, whole[:3])]
 
         usual = [values[values > _CLOSE].size for values in stretches(self._at[0])]
         try:

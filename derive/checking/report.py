@@ -49,12 +49,10 @@ def report_lines(printout: Printout) -> list[str]:
     report = printout.report
     corrections = right_corrections(report)
     lines: list[str] = []
-    for finding in report.wrong:
+    for finding in (*report.wrong, *report.undecidable):
         lines += finding_lines(finding, printout)
-        if finding.erratum and finding.entry in corrections:
+        if finding.erratum and finding.unknown is None and finding.entry in corrections:
             lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
-    for finding in report.undecidable:
-        lines += finding_lines(finding, printout)
     lines.append(f"{report.source}: {summary(report)}")
     return lines
 
