@@ -6,7 +6,6 @@ Corpus files have a block ``robot:`` and the list ``expected:`` of what some not
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from derive.checking.comparison import POSE_NAMES, check_expression, check_file, divided
@@ -21,18 +20,14 @@ from derive.checking.latex.check import LatexReport, check_latex
 from derive.checking.methods_file import SETS, check_methods
 from derive.checking.report import Printout, all_lines, summary
 from derive.errors import CheckError, DeriveError, Location, quoted
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.printer import TextPrinter, loses_digits
 from derive.inverse.loops import without_parallelograms
 from derive.model.model import Model
-from derive.robot.description import Remark
 from derive.robot.expression import Name
 from derive.robot.load import file_bytes, is_there
 from derive.robot.names import own_names
 from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, YamlSequence, read_tree
 from derive.robot.robot import Robot
-from derive.robot.rounding import DIGITS
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
@@ -44,17 +39,17 @@ _FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
 _SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
 
-def check_path(path: str) -> tuple[FileReport, Robot]:
-    """Compare everything that a file prints."""
-    source, data = path if path.isprintable() else quoted(path, 200), file_bytes(Path(path))
+def file_printout(path: str | Path) -> Printout:
+    """The comparison of everything that a file prints."""
+    source, data = str(path) if str(path).isprintable() else quoted(str(path), 200), file_bytes(Path(path))
     root = read_tree(data, source)
     if isinstance(root, YamlMapping) and "robot" not in root.entries:
         if "items" in root.entries:
-            return check_frames(root, source), NO_ROBOT
+            return Printout(check_frames(root, source), NO_ROBOT)
         if any(name in root.entries for name in SETS):
-            return check_methods(root, source), NO_ROBOT
+            return Printout(check_methods(root, source), NO_ROBOT)
     file = corpus_from_bytes(data, source)
-    return check_file(file), file.robot
+    return Printout(check_file(file), file.robot)
 
 
 def corpus_from_bytes(data: bytes, source: str) -> printed.CorpusFile:
@@ -213,12 +208,6 @@ def _task(item: YamlMapping) -> Task | None:
         raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=node.location) from None
 
 
-def file_printout(file: str | Path) -> Printout:
-    """The comparisons of a corpus file."""
-    report, robot = check_path(str(file))
-    return printout_of(report, robot, robot.remarks)
-
-
 def formula_printout(
     robot: Robot, quantity: str, formula: str | Manuscript, *, latex: bool = False, task: str = ""
 ) -> Printout:
@@ -230,7 +219,7 @@ def formula_printout(
         report = _compared(model, formula, source, quantity, task, latex=latex, alone=document is not None)
     else:
         source, report = robot.name, LatexReport((check_expression(model, quantity, str(formula)),))
-    return printout_of(_placed(report, document, robot, source), robot)
+    return Printout(_placed(report, document, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -249,7 +238,7 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
     sections = [document.section_at(place) for place in found[0][1].equations]
     parts = divided([robot.name for robot, _ in found], [report for _, report in found], sections)
     pairs = ((robot, part) for (robot, _), part in zip(found, parts, strict=True))
-    return [printout_of(_placed(part, document, r, f"{document.name} ({r.name})"), r) for r, part in pairs]
+    return [Printout(_placed(part, document, r, f"{document.name} ({r.name})"), r) for r, part in pairs]
 
 
 def _compared(
@@ -276,14 +265,6 @@ def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, sour
     findings = tuple(replace(f, location=placed(f.location)) for f in found) if document else found
     unread = tuple(f"{placed(one.location)}: {one.reason}" for one in report.skipped)
     return FileReport(source, robot.name, findings, unread, readings=report.readings)
-
-
-def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = ()) -> Printout:
-    """Comparisons with what writes derived formulas in the notation of their robot."""
-    notation = Notation.of(robot)
-    printers = TextPrinter(robot, notation).doprint, TextPrinter(robot).doprint
-    is_rounded = partial(loses_digits, decimals=notation.decimals, digits=DIGITS)
-    return Printout(report, *printers, lambda right: is_rounded([right]), remarks)
 
 
 def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript | None:
