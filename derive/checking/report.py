@@ -37,12 +37,14 @@ class Printout:
     @cached_property
     def printer(self) -> Printer:
         """Writes derived formulas for people: numbers with few digits."""
-        return TextPrinter(self.robot, self.notation).doprint
+        found: Printer = TextPrinter(self.robot, self.notation).doprint
+        return found
 
     @cached_property
     def exact(self) -> Printer:
         """Writes them with all digits, for programs."""
-        return TextPrinter(self.robot).doprint
+        found: Printer = TextPrinter(self.robot).doprint
+        return found
 
     def note(self, finding: Finding) -> str:
         """What is said behind a derived formula where its numbers are rounded."""

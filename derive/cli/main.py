@@ -132,6 +132,15 @@ class _Parser(argparse.ArgumentParser):
             options.append(text)
         return super().parse_known_args([*options, *others, *without_value], namespace)
 
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """The value of an option, which may be refused as those of the Python API are."""
+        from derive.errors import DeriveError
+
+        try:
+            return super()._get_value(action, arg_string)
+        except DeriveError as error:
+            raise argparse.ArgumentError(action, str(error)) from None
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a word that is none of those allowed, with the nearest that is."""
         if action.choices is None or value in action.choices:

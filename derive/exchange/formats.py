@@ -140,6 +140,10 @@ def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], b
     return float(np.abs(np.einsum("kij,kj->ki", inverse, lack)).max())
 
 
+def _rotor(has: Callable[[Rotor], bool]) -> Callable[[ChainSegment], bool]:
+    return lambda segment: segment.rotor is not None and has(segment.rotor)
+
+
 # Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 # What a joint or its link may have: in words, and whether it has.
@@ -155,17 +159,11 @@ GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = {
         lambda segment: given(segment.link.signed[1]),
     ),
     "armature": ("the armature", lambda segment: given(segment.link.armature)),
-    "rotor": (
-        "the rotor inertia times ratio squared",
-        lambda segment: segment.rotor is not None and bool(abs(segment.rotor.reflected) > NOTHING),
-    ),
-    "coupling": (
-        "the coupling of the rotor with the joints before it",
-        lambda segment: segment.rotor is not None and segment.rotor.is_coupled,
-    ),
+    "rotor": ("the rotor inertia times ratio squared", _rotor(lambda rotor: bool(abs(rotor.reflected) > NOTHING))),
+    "coupling": ("the coupling of the rotor with the joints before it", _rotor(lambda rotor: rotor.is_coupled)),
     "coupling that varies": (
         "the coupling of the rotor with the joints before it, which depends on q,",
-        lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
+        _rotor(lambda rotor: rotor.is_coupled and not coupled_by_tendon(rotor)),
     ),
 }
 
