@@ -16,7 +16,8 @@ from itertools import combinations, product
 from derive.algebra.angles import contracted_groups
 from derive.checking.formulas.findings import Finding, Outcome, Role
 from derive.errors import Location
-from derive.lecture.sympy_conversion import Expr, expression_from_sympy
+from derive.handouts.notation.printer import TextPrinter
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare, form_of, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
@@ -56,13 +57,29 @@ class Example:
 
 
 @dataclass(frozen=True, slots=True)
-class ExampleFinding:
-    """What the found style makes of an example."""
+class ExampleVerdict:
+    """What the style that was found makes of one printed formula.
 
-    example: Example
-    outcome: Outcome  # same form, equal in another form, or wrong
-    written: Expr  # the derived formula in the found style
-    reason: str = ""  # why the form differs, in a few words; empty where it does not
+    Attributes:
+        quantity: What it is printed for, such as ``tau[1]``.
+        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
+        printed: The formula as printed.
+        written: The derived formula in the style that was found.
+        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
+        place: File, line and column of the formula.
+    """
+
+    quantity: str
+    outcome: str
+    printed: str
+    written: str
+    reason: str
+    place: str
+
+    @property
+    def reproduced(self) -> bool:
+        """Whether it comes out as printed."""
+        return self.outcome == Outcome.SAME_FORM.value
 
 
 def printed_examples(findings: Iterable[Finding]) -> list[Example]:
@@ -102,9 +119,8 @@ class StyleEvidence:
         """How many examples come out as printed."""
         return _score(style, self._parts)[0]
 
-    def findings(self, style: Style) -> list[ExampleFinding]:
+    def verdicts(self, style: Style) -> Iterator[ExampleVerdict]:
         """What a style makes of each example, in their order."""
-        found = []
         for example, parts in zip(self.examples, self._parts, strict=True):
             written = scalar_quantity(self._robots[example.robot].model(style), example.quantity)
             outcome, reason = Outcome.SAME_FORM, ""
@@ -112,8 +128,8 @@ class StyleEvidence:
                 outcome, reason = Outcome.EQUAL, "; ".join(_reason(part, style) for part in different)
                 if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
                     outcome, reason = Outcome.WRONG, "it is not equal to the derived formula"
-            found.append(ExampleFinding(example, outcome, written, reason))
-        return found
+            text, place = TextPrinter(example.robot).doprint(written), str(example.location)
+            yield ExampleVerdict(example.quantity, outcome.value, example.text, text, reason, place)
 
 
 def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:

@@ -117,7 +117,7 @@ def test_an_option_is_found_from_a_formula_that_it_writes(option: str, robot: Ro
     evidence = StyleEvidence([example(robot, quantity, text)])
     style = evidence.best_style()
     assert evidence.reproduced(style) == 1
-    assert [found.outcome for found in evidence.findings(style)] == [Outcome.SAME_FORM]
+    assert [found.outcome for found in evidence.verdicts(style)] == [Outcome.SAME_FORM]
     assert evidence.reproduced(Style.of(option)) == 1
 
 
@@ -139,11 +139,11 @@ def test_of_two_ways_to_write_the_more_frequent_one_is_taken_and_the_other_is_ex
     )
     style = evidence.best_style()
     assert style.gravity.value == "body"
-    findings = evidence.findings(style)
-    assert findings[-1].outcome is Outcome.WRONG
+    findings = list(evidence.verdicts(style))
+    assert findings[-1].outcome == Outcome.WRONG
     assert findings[-1].reason == "it is not equal to the derived formula"
     assert evidence.reproduced(style) >= 2
-    assert all(found.reason for found in findings if found.outcome is Outcome.EQUAL)
+    assert all(found.reason for found in findings if found.outcome == Outcome.EQUAL)
 
 
 def test_an_equation_of_motion_gives_every_part_its_own_option() -> None:
