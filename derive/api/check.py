@@ -81,7 +81,7 @@ def check(file: str | Path) -> CheckedFile:
         CheckError: A formula cannot be read.
     """
     checked = file_printout(file)
-    tell(checked.remarks)
+    tell(checked.robot.remarks)
     return _checked(checked, reporting.report_lines(checked))
 
 

@@ -14,7 +14,7 @@ from derive.exchange.certificate import Certificate, certify
 from derive.exchange.from_urdf import Imported, ImportKeywords, ImportOptions, robot_name
 from derive.exchange.reading.elements import Urdf
 from derive.exchange.reading.mjcf import IS_MJCF, read_mjcf
-from derive.exchange.reading.source import ChainSource, open_urdf, opened, relative
+from derive.exchange.reading.source import ChainSource, moved, open_urdf, opened, relative
 from derive.exchange.reading.urdf import MOST_BYTES
 from derive.mechanics.space import exactly
 from derive.model.identification.witness import NoSuchBodies
@@ -179,14 +179,15 @@ def verify_import(file: str | Path) -> ImportCheck | None:
     if not source.file or not path.is_file():
         return ImportCheck(source.file or "standard input", promised, None, lack="not there")
     try:
-        urdf = open_urdf(path, [_moved(each, path.parent, Path()) for each in source.packages], dict(source.arguments))
+        packages = [moved(package, path.parent, Path()) for package in source.packages]
+        urdf, now = open_urdf(path, packages, dict(source.arguments))
     except TargetError as error:
         return ImportCheck(str(path), promised, None, lack=f"{error.found} ({error.remedy})")
     robot = Robot.from_text(text, str(file))
     if robot.is_tree:
         return ImportCheck(str(path), promised, None, lack="its arm has become a tree")
     with exactly():
-        arm = arm_of(urdf.urdf, source.base, source.tip, Fraction(0))
+        arm = arm_of(urdf, source.base, source.tip, Fraction(0))
     ours, theirs = ("".join("R" if j.is_revolute else "P" for j in joints) for joints in (robot.joints, arm.axes))
     if ours != theirs:
         raise VerificationError(f"{file}: joints {ours}, but those of {path} are {theirs}", remedy="import it again")
@@ -197,26 +198,15 @@ def verify_import(file: str | Path) -> ImportCheck | None:
             allowed=f"promised: {promised.position:.2g} m and {promised.rotation:.2g} rad",
             remedy="import it again",
         )
-    return ImportCheck(str(path), promised, found, changed=urdf.sha256 != source.sha256)
+    return ImportCheck(str(path), promised, found, changed=now.sha256 != source.sha256)
 
 
 def _found(file: str | Path | bytes, options: ImportOptions) -> tuple[Urdf, ChainSource]:
     """The URDF that a user names, and how a robot file names it, but for the links at both ends."""
     if isinstance(file, bytes):
-        given = opened(file, "<stdin>", options.arguments)
-        return given.urdf, ChainSource("", "", "", given.sha256)
+        return opened(file, "<stdin>", options.arguments)
     path = Path(file)
     if not path.is_file():
         found = f"no file {quoted(str(file), 200)}"
         raise RobotFileError(found, allowed="allowed: a URDF or a .xacro file, or - for standard input")
-    folders = list(map(str, options.packages))
-    given = open_urdf(path, folders, options.arguments)
-    packages = tuple(_moved(folder, Path(), path.parent) for folder in folders if given.is_xacro)
-    said = tuple((options.arguments or {}).items())
-    return given.urdf, ChainSource(relative(path, Path(options.folder)), "", "", given.sha256, packages, said)
-
-
-def _moved(package: str, from_folder: Path, to_folder: Path) -> str:
-    """A folder, or ``NAME=DIR``, seen from another folder."""
-    name, sign, folder = package.rpartition("=")
-    return f"{name}{sign}{relative(from_folder / folder, to_folder)}"
+    return open_urdf(path, list(map(str, options.packages)), options.arguments, Path(options.folder))

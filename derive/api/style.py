@@ -12,9 +12,8 @@ from derive.checking.documents import read_document
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Outcome
 from derive.checking.latex.check import check_latex
-from derive.checking.style_finding import Example, StyleEvidence, printed_examples
+from derive.checking.style_finding import Example, ExampleVerdict, StyleEvidence, printed_examples
 from derive.errors import CheckError, Location, quoted
-from derive.handouts.notation.printer import TextPrinter
 from derive.lecture.shorthand import read_formula
 from derive.model.model import Model
 from derive.robot.load import file_bytes
@@ -26,32 +25,6 @@ from derive.robot.robot import Robot
 _LATEX = re.compile(r"[\\^{}_]")
 EXAMPLE = "--example"
 """Where an example stands that was given in words, for messages."""
-
-
-@dataclass(frozen=True, slots=True)
-class ExampleVerdict:
-    """What the style that was found makes of one printed formula.
-
-    Attributes:
-        quantity: What it is printed for, such as ``tau[1]``.
-        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
-        printed: The formula as printed.
-        written: The derived formula in the style that was found.
-        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
-        place: File, line and column of the formula.
-    """
-
-    quantity: str
-    outcome: str
-    printed: str
-    written: str
-    reason: str
-    place: str
-
-    @property
-    def reproduced(self) -> bool:
-        """Whether it comes out as printed."""
-        return self.outcome == Outcome.SAME_FORM.value
 
 
 @dataclass(frozen=True, slots=True)
@@ -176,13 +149,8 @@ def find_style(*sources: RobotLike, examples: Iterable[str | Path] | Mapping[str
             remedy=f"give a corpus file, or {EXAMPLE} 'tau[1] = ...'",
         )
     evidence = StyleEvidence(found)
-    chosen = evidence.finding(evidence.best_style())
-    verdicts = []
-    for finding in chosen.findings:
-        of, outcome = finding.example, finding.outcome.value
-        written, place = TextPrinter(of.robot).doprint(finding.written), str(of.location)
-        verdicts.append(ExampleVerdict(of.quantity, outcome, of.text, written, finding.reason, place))
-    return FoundStyle(chosen.style, tuple(verdicts), evidence.finding(NAMED_STYLES[DEFAULT_STYLE]).reproduced)
+    chosen = evidence.best_style()
+    return FoundStyle(chosen, tuple(evidence.verdicts(chosen)), evidence.reproduced(NAMED_STYLES[DEFAULT_STYLE]))
 
 
 def _printed_in(source: RobotLike) -> list[Example]:

@@ -9,7 +9,7 @@ import random
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import suppress
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import combinations, pairwise, permutations, product
 
 import numpy as np
@@ -23,7 +23,7 @@ from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.poses import WRIST, Poses, names_of_pose
 from derive.checking.latex.quantities import own_quantity, slope, turning
 from derive.checking.motions import MOST_ACCELERATED, Array, Motions, matrix_value
-from derive.lecture.sympy_conversion import Matrix, expression_from_sympy
+from derive.lecture.sympy_conversion import Matrix
 from derive.model.model import Model
 from derive.model.quantities import REGISTRY
 from derive.robot.description import IDENTITY
@@ -67,7 +67,7 @@ class ByValue:
         cells = (cell for j in self._robot.joints for cell in (j.a, j.d, j.alpha, j.theta))
         self._lengths = {n for cell in cells for n in names(cell)}
         self.motions = Motions(model, self._at)
-        self._known: dict[bool, dict[tuple[int, ...], tuple[list[str], Array]]] = {}
+        self._by_shape = cache(self._grouped)
 
     @property
     def _readings(self) -> list[Mapping[str, Expression]]:
@@ -137,16 +137,14 @@ class ByValue:
                             return label
         return ""
 
-    def _by_shape(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
+    def _grouped(self, is_dynamic: bool) -> dict[tuple[int, ...], tuple[list[str], Array]]:
         """All that is known, by shape: names, and values at the points."""
-        if is_dynamic not in self._known:
-            groups: dict[tuple[int, ...], tuple[list[str], list[Array]]] = {}
-            for name, values in self._all(is_dynamic):
-                labels, known = groups.setdefault(values.shape[1:], ([], []))
-                labels.append(name)
-                known.append(values)
-            self._known[is_dynamic] = {shape: (labels, np.array(known)) for shape, (labels, known) in groups.items()}
-        return self._known[is_dynamic]
+        groups: dict[tuple[int, ...], tuple[list[str], list[Array]]] = {}
+        for name, values in self._all(is_dynamic):
+            labels, known = groups.setdefault(values.shape[1:], ([], []))
+            labels.append(name)
+            known.append(values)
+        return {shape: (labels, np.array(known)) for shape, (labels, known) in groups.items()}
 
     def _numbers(self, matrix: Matrix) -> Array:
         return np.array([matrix_value(matrix, at) for at in self._at])
@@ -291,13 +289,9 @@ class ByValue:
         """What each joint alone moves, from the home position: e^{[S_1] theta_1}."""
         home = dict.fromkeys(self._joints, 0.0)
         for k, joint in enumerate(self._robot.joints, 1):
-            moved, formulas = [], [expression_from_sympy(e) for e in self._model.frame(k)]
-            for at in self._at:
-                places = [home, {**home, joint.variable: at[joint.variable]}]
-                known = [{**{n: at[n] for e in formulas for n in names(e)}, **place} for place in places]
-                still, turned = (np.array([float_value(e, v) for e in formulas]).reshape(4, 4) for v in known)
-                moved.append(turned @ np.linalg.inv(still))
-            yield from _parts(f"exp of screw {k}", np.array(moved))
+            frame, q = self._model.frame(k), joint.variable
+            pairs = ((matrix_value(frame, at | home | {q: at[q]}), matrix_value(frame, at | home)) for at in self._at)
+            yield from _parts(f"exp of screw {k}", np.array([moved @ np.linalg.inv(still) for moved, still in pairs]))
 
     def _triangles(self, points: list[tuple[str, int, Array]]) -> Iterator[Named]:
         """How ways are inclined, and the angles between those from one point, with their supplements."""
@@ -317,11 +311,10 @@ class ByValue:
         """Whether the Jacobian, or its linear part, loses rank wherever a formula of joint variables is zero."""
         if self._robot.is_tree:
             return False
-        formulas = [expression_from_sympy(entry) for entry in self._model.quantity("J")]
 
         def stretches(at: Mapping[str, float]) -> list[Array]:
-            whole = np.array([float_value(f, at) for f in formulas]).reshape(-1, self._model.n)
-            return [np.linalg.svd(part, compute_uv=False) for part in (whole, whole[:3])]
+            whole = matrix_value(self._model.quantity("J"), at)
+            return [np.linalg.svd(part, compute_uv=False).astype(float) for part in (whole, whole[:3])]
 
         usual = [values[values > _CLOSE].size for values in stretches(self._at[0])]
         try:

@@ -276,8 +276,7 @@ def expanded(text: str) -> tuple[str, Sequence[int]]:
         macros[name] = Macro(count, match["default"], f"\\operatorname{{{body}}}" if match["operator"] else body)
         text = text[: match.start()] + blank(text[match.start() : end + 1]) + text[end + 1 :]
         position = end
-    origins = range(len(text))
-    return _Expansion(macros).written(text, list(origins))
+    return _Expansion(macros).written(text, list(range(len(text))))
 
 
 # Macros of packages and lectures whose definitions are elsewhere, and words for matrices of arguments or of rows.

@@ -6,7 +6,6 @@ Corpus files have a block ``robot:`` and the list ``expected:`` of what some not
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 from derive.checking.comparison import POSE_NAMES, check_expression, check_file, divided
@@ -15,24 +14,20 @@ from derive.checking.formulas import printed, reading
 from derive.checking.formulas.findings import FileReport
 from derive.checking.formulas.reading import NO_ABBREVIATIONS, Abbreviations, read_printed, required_text
 from derive.checking.frames_file import NO_ROBOT, check_frames
-from derive.checking.inverse.check import check_inverse, inverse_text, names_inverse
+from derive.checking.inverse.check import check_inverse, names_inverse
 from derive.checking.inverse.reading import gives_joints
 from derive.checking.latex.check import LatexReport, check_latex
 from derive.checking.methods_file import SETS, check_methods
 from derive.checking.report import Printout, all_lines, summary
 from derive.errors import CheckError, DeriveError, Location, quoted
-from derive.handouts.notation.notation import Notation
-from derive.handouts.notation.printer import TextPrinter, loses_digits
 from derive.inverse.loops import without_parallelograms
 from derive.model.model import Model
-from derive.robot.description import Remark
 from derive.robot.expression import Name
 from derive.robot.load import file_bytes, is_there
 from derive.robot.names import own_names
 from derive.robot.options.inverse import Task, chosen_task
 from derive.robot.reading.document import Node, YamlMapping, YamlScalar, YamlSequence, read_tree
 from derive.robot.robot import Robot
-from derive.robot.rounding import DIGITS
 
 UNREAD = ("singularities", "trajectory")  # blocks with printed results of a kind that is not compared here
 _BLOCKS = ("expected", "identities", "factorisation", "inverse_kinematics", *UNREAD)
@@ -44,17 +39,17 @@ _FORMULA = ("angle", "status", "correct", "kind", "printed_as", "note")
 _SOLUTION = ("task", "atan2", "status", "given", "notation", "note", "kind", "printed_as", "source")
 
 
-def check_path(path: str) -> tuple[FileReport, Robot]:
-    """Compare everything that a file prints."""
-    source, data = path if path.isprintable() else quoted(path, 200), file_bytes(Path(path))
+def file_printout(path: str | Path) -> Printout:
+    """The comparison of everything that a file prints."""
+    source, data = str(path) if str(path).isprintable() else quoted(str(path), 200), file_bytes(Path(path))
     root = read_tree(data, source)
     if isinstance(root, YamlMapping) and "robot" not in root.entries:
         if "items" in root.entries:
-            return check_frames(root, source), NO_ROBOT
+            return Printout(check_frames(root, source), NO_ROBOT)
         if any(name in root.entries for name in SETS):
-            return check_methods(root, source), NO_ROBOT
+            return Printout(check_methods(root, source), NO_ROBOT)
     file = corpus_from_bytes(data, source)
-    return check_file(file), file.robot
+    return Printout(check_file(file), file.robot)
 
 
 def corpus_from_bytes(data: bytes, source: str) -> printed.CorpusFile:
@@ -195,8 +190,9 @@ def _solution(node: Node, lines: Sequence[str]) -> printed.InverseText:
     texts = content.items if isinstance(content, YamlSequence) else [content]
     parts = tuple(reading.printed_text(reading.scalar(text, "a line"), lines) for text in texts)
     order = reading.word(item, "atan2", ("yx", "xy"), "")  # of its arguments: the sine first, or the cosine
-    asked = printed.Asked(item.location, _task(item), order == "xy" if order else None)
-    return printed.InverseText(parts, asked, "latex" in item.entries, False, reading.status(item), reading.remark(item))
+    plain = printed.InverseText(parts, item.location, _task(item), order == "xy" if order else None)
+    said, is_latex = reading.remark(item), "latex" in item.entries
+    return replace(plain, latex=is_latex, status=reading.status(item), remark=said)
 
 
 def _task(item: YamlMapping) -> Task | None:
@@ -212,29 +208,18 @@ def _task(item: YamlMapping) -> Task | None:
         raise CheckError(error.found, allowed=error.allowed, remedy=error.remedy, location=node.location) from None
 
 
-def file_printout(file: str | Path) -> Printout:
-    """The comparisons of a corpus file."""
-    report, robot = check_path(str(file))
-    return printout_of(report, robot, robot.remarks)
-
-
 def formula_printout(
     robot: Robot, quantity: str, formula: str | Manuscript, *, latex: bool = False, task: str = ""
 ) -> Printout:
     """The comparison of a formula or document with one robot; of LaTeX the quantity may be a matrix, or none."""
-    model, source = Model(robot), "--latex" if latex else "--expression"
+    model, document = Model(robot), formula if isinstance(formula, Manuscript) else None
     robot = model.robot  # whose parallelograms are coupled joints
-    if isinstance(formula, Manuscript):
-        report = _compared(model, formula, quantity, task, alone=True)
-        return printout_of(_placed(report, formula, robot, formula.name), robot)
-    if names_inverse(model, quantity) or (latex and not (quantity or robot.is_tree) and gives_joints(formula, robot)):
-        asked = printed.Asked(Location(source), _rows_of_task(model, task))
-        report = LatexReport(*check_inverse(model, inverse_text(formula, asked, latex=latex)))
-    elif latex:
-        report = check_latex(model, formula, quantity, Location(source))
+    if latex or names_inverse(model, quantity):
+        source = document.name if document else "--latex" if latex else "--expression"
+        report = _compared(model, formula, source, quantity, task, latex=latex, alone=document is not None)
     else:
-        report, source = LatexReport((check_expression(model, quantity, formula),)), robot.name
-    return printout_of(_placed(report, None, robot, source), robot)
+        source, report = robot.name, LatexReport((check_expression(model, quantity, str(formula)),))
+    return Printout(_placed(report, document, robot, source), robot)
 
 
 def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Printout]:
@@ -245,7 +230,7 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
     refused = None
     for robot in robots:
         try:
-            found.append((robot, _compared(Model(robot), document)))
+            found.append((robot, _compared(Model(robot), document, document.name, "", "", alone=False)))
         except CheckError as error:
             refused = error
     if refused is not None and not found:
@@ -253,19 +238,25 @@ def document_printouts(robots: Sequence[Robot], document: Manuscript) -> list[Pr
     sections = [document.section_at(place) for place in found[0][1].equations]
     parts = divided([robot.name for robot, _ in found], [report for _, report in found], sections)
     pairs = ((robot, part) for (robot, _), part in zip(found, parts, strict=True))
-    return [printout_of(_placed(part, document, r, f"{document.name} ({r.name})"), r) for r, part in pairs]
+    return [Printout(_placed(part, document, r, f"{document.name} ({r.name})"), r) for r, part in pairs]
 
 
 def _compared(
-    model: Model, document: Manuscript, quantity: str = "", task: str = "", *, alone: bool = False
+    model: Model, formula: str | Manuscript, source: str, quantity: str, task: str, *, latex: bool = True, alone: bool
 ) -> LatexReport:
+    """The comparison of LaTeX, or of a solution of the inverse kinematics."""
+    document, where = formula if isinstance(formula, Manuscript) else None, Location(source)
+    text, robot = document.text if document else str(formula), model.robot
+    is_solution = not (document or quantity or robot.is_tree) and gives_joints(text, robot)
     try:
-        if names_inverse(model, quantity):
-            asked = printed.Asked(Location(document.name), _rows_of_task(model, task))
-            return LatexReport(*check_inverse(model, inverse_text(document.text, asked, latex=True, document=True)))
-        return check_latex(model, document.text, quantity, Location(document.name), document=True, alone=alone)
+        if not (is_solution or names_inverse(model, quantity)):
+            return check_latex(model, text, quantity, where, document=document is not None, alone=alone)
+        rows = chosen_task(task.replace(",", " ").split(), model.n) if task else None
+        parts = (printed.PrintedText(text, where),)
+        solution = printed.InverseText(parts, where, rows, latex=latex, document=document is not None)
+        return LatexReport(*check_inverse(model, solution))
     except CheckError as error:
-        raise document.moved(error) from None
+        raise (document.moved(error) if document else error) from None
 
 
 def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, source: str) -> FileReport:
@@ -274,18 +265,6 @@ def _placed(report: LatexReport, document: Manuscript | None, robot: Robot, sour
     findings = tuple(replace(f, location=placed(f.location)) for f in found) if document else found
     unread = tuple(f"{placed(one.location)}: {one.reason}" for one in report.skipped)
     return FileReport(source, robot.name, findings, unread, readings=report.readings)
-
-
-def _rows_of_task(model: Model, task: str) -> tuple[str, ...] | None:
-    return chosen_task(task.replace(",", " ").split(), model.n) if task else None
-
-
-def printout_of(report: FileReport, robot: Robot, remarks: tuple[Remark, ...] = ()) -> Printout:
-    """Comparisons with what writes derived formulas in the notation of their robot."""
-    notation = Notation.of(robot)
-    printers = TextPrinter(robot, notation).doprint, TextPrinter(robot).doprint
-    is_rounded = partial(loses_digits, decimals=notation.decimals, digits=DIGITS)
-    return Printout(report, *printers, lambda right: is_rounded([right]), remarks)
 
 
 def document_named(text: str, lines: tuple[int, int] | None = None, section: str = "") -> Manuscript | None:

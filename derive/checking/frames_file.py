@@ -9,6 +9,7 @@ the decimal that it prints.
 import re
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
+from dataclasses import replace
 from operator import mul
 
 import sympy
@@ -16,7 +17,7 @@ import sympy
 from derive.algebra.domain import PolynomialDomain
 from derive.checking.formulas import reading
 from derive.checking.formulas.diagnosis import Question
-from derive.checking.formulas.findings import FileReport, Finding, Role, verdict_at
+from derive.checking.formulas.findings import FileReport, Finding, Role, compared
 from derive.errors import CheckError, ExpressionError, Location, placed, quoted
 from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, Matrix, expression_from_sympy, expression_to_sympy
@@ -153,9 +154,8 @@ def _compared(
             texts += [(correction, Role.CORRECTION, False)] if correction is not None else []
             for text, role, erratum in texts:
                 question = Question(NO_ROBOT, _formula(text.text, text.inner), expression_from_sympy(derived))
-                verdict = verdict_at(text.location, NO_ROBOT, question.right, question.printed)
-                where = text.inner
-                yield Finding(name, i, j, role, text.text, verdict, derived, where, erratum, question, remark=said)
+                found = compared(question, name, (i, j), role, text.text, derived, text.inner)
+                yield replace(found, erratum=erratum, remark=said)
 
 
 def _formula(text: str, where: Location) -> Expression:

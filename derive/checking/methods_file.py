@@ -10,8 +10,9 @@ import random
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cache, partial
-from itertools import islice
+from functools import cache, partial, reduce
+from itertools import chain, islice
+from operator import add, matmul, mul
 from typing import Any
 
 import numpy as np
@@ -222,26 +223,18 @@ class _VectorBuilder(Transformer_NonRecursive[Token, Vector]):
         raise AssertionError(data)
 
 
+_OPERATIONS: Mapping[str, Callable[[Array, Array], Array]] = {"+": add, "*": mul, "@": matmul, "cross": np.cross}
+
+
 def value_of(e: Vector, values: Mapping[str, Array]) -> Array:
     """The value of an equation whose names stand for numbers, vectors (3,) and matrices (3, 3)."""
+    if not e.parts:
+        return values[e.text] if e.operation == "name" else float(e.text)
     parts = [value_of(part, values) for part in e.parts]
     shapes = {np.shape(part) for part in parts}
-    match e.operation:
-        case "name":
-            return values[e.text]
-        case "number":
-            return float(e.text)
-        case "+" if len(shapes) == 1:
-            return sum(parts[1:], start=parts[0])
-        case "-":
-            return -parts[0]
-        case "*":
-            return parts[0] * parts[1]
-        case "@":
-            return parts[0] @ parts[1]
-        case "cross" if shapes == {(3,)}:
-            return np.cross(*parts)
-    raise ValueError("vectors beside scalars, or a cross product of something else than vectors")
+    if (e.operation == "+" and len(shapes) > 1) or (e.operation == "cross" and shapes != {(3,)}):
+        raise ValueError("vectors beside scalars, or a cross product of something else than vectors")
+    return reduce(_OPERATIONS[e.operation], parts) if len(parts) > 1 else -parts[0]
 
 
 def names_in(e: Vector) -> Iterator[str]:
@@ -259,21 +252,17 @@ MAX_TRIES = 10_000  # changes of one kind that are tried, so that the search end
 
 def diagnose_vector(printed: Vector, names: Sequence[str], holds: Callable[[Vector], bool]) -> Repair | None:
     """One change that makes an equation hold, or two names of the same letter; None where no such change does."""
-    relatives = partial(_changes, "relative", names)
-    for what in ("sign", "relative", "operation", "other"):
-        for kind, text, changed in islice(_everywhere(printed, partial(_changes, what, names)), MAX_TRIES):
-            if holds(changed):
-                return Repair((kind,), text, Name(str(changed)))
+    ways = {what: partial(_changes, what, names) for what in ("sign", "relative", "operation", "other")}
+    single = (change for way in ways.values() for change in islice(_everywhere(printed, way), MAX_TRIES))
     # two names of the same letters: a link's index mistaken throughout one term
     pairs = (
         (kind, f"2 changes: {first}; {second}", twice)
-        for kind, first, changed in _everywhere(printed, relatives)
-        for _, second, twice in _everywhere(changed, relatives)
+        for kind, first, changed in _everywhere(printed, ways["relative"])
+        for _, second, twice in _everywhere(changed, ways["relative"])
     )
-    for kind, text, twice in islice(pairs, MAX_TRIES):
-        if holds(twice):
-            return Repair((kind, kind), text, Name(str(twice)))
-    return None
+    tried = chain(((1, *change) for change in single), ((2, *change) for change in islice(pairs, MAX_TRIES)))
+    found = (Repair((kind,) * count, text, Name(str(made))) for count, kind, text, made in tried if holds(made))
+    return next(found, None)
 
 
 def _everywhere(e: Vector, change: Callable[[Vector], Iterator[Change]]) -> Iterator[Change]:

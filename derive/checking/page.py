@@ -7,23 +7,21 @@ from itertools import groupby
 from derive import version
 from derive.checking.formulas.findings import judge
 from derive.checking.report import Printout, difference_text, numbers, summary, what
-from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.page.writer import page
 from derive.handouts.sheet.document import Block, Document, Paragraph, Rows, Section, Table
 from derive.handouts.sheet.language import Text
-from derive.robot.robot import Robot
 
 MARKED = r"\colorbox{#ffd7d7}"  # behind the printed entry that is wrong
 LONGEST = 4_000  # characters of a formula that is rendered; longer ones are not shown
 
 
-def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
+def verdict_page(printouts: Sequence[Printout]) -> str:
     """One HTML file that needs no network: the verdicts for each robot."""
-    sections: list[Section] = []
-    for number, (printout, robot) in enumerate(zip(printouts, robots, strict=True)):
+    sections, robots = list[Section](), [printout.robot.name for printout in printouts]
+    for number, printout in enumerate(printouts):
         report = printout.report
-        ending, title = (f"-{number}", f"{robot.name}: ") if len(robots) > 1 else ("", "")
+        ending, title = (f"-{number}", f"{robots[number]}: ") if len(robots) > 1 else ("", "")
         right = [(_code(f.location), _code(what(f)), judge(f).outcome) for f in report.findings if f.verdict.equal]
         readings = tuple(Paragraph(_code(reading)) for reading in report.readings)
         reasons = sorted((reason, place) for place, _, reason in (note.partition(": ") for note in report.unread))
@@ -31,18 +29,18 @@ def verdict_page(printouts: Sequence[Printout], robots: Sequence[Robot]) -> str:
         unread = [(_code(reason), ", ".join(_code(place) for _, place in group)) for reason, group in groups]
         sections += (
             Section(f"reading{ending}", f"{title}How it is read", readings),
-            Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout, robot))),
+            Section(f"slips{ending}", f"{title}Slips", tuple(_slips(printout))),
             Section(f"unread{ending}", f"{title}Not compared", _table(("reason", "places"), unread)),
             Section(f"right{ending}", f"{title}Right", _table(("place", "formula", "verdict"), right)),
         )
     document = Document(
-        title=printouts[0].report.source.removesuffix(f" ({robots[0].name})"),
+        title=printouts[0].report.source.removesuffix(f" ({robots[0]})"),
         subtitle="; ".join(summary(replace(printout.report, unread=())) for printout in printouts),
-        name=", ".join(robot.name for robot in robots),
+        name=", ".join(robots),
         language="en",
         digest="",
         version=version.__version__,
-        footer=f"Printed formulas against those derived from {', '.join(_code(robot.name) for robot in robots)}",
+        footer=f"Printed formulas against those derived from {', '.join(map(_code, robots))}",
         sections=tuple(section for section in sections if section.blocks),
     )
     return page(document, Text())
@@ -53,9 +51,9 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> tuple[Tabl
     return (Table(head, found),) if found else ()
 
 
-def _slips(printout: Printout, robot: Robot) -> Iterator[Block]:
+def _slips(printout: Printout) -> Iterator[Block]:
     """Each slip once, with its place, the printed entry, what is right, and one cause."""
-    printer = LatexPrinter(Notation.of(robot))
+    printer = LatexPrinter(printout.notation)
     wrong = [finding for finding in printout.report.findings if not finding.verdict.equal and finding.unknown is None]
     for (cause, quantity), group in groupby(wrong, key=lambda f: (f.cause, f.quantity if f.cause else f.location)):
         findings = tuple(group)

@@ -2,15 +2,18 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import groupby
 from math import isnan
 from typing import Any
 
 from derive.checking.formulas.findings import FileReport, Finding, Judgement, Outcome, Role, judge
 from derive.checking.formulas.printed import Citation
+from derive.handouts.notation.notation import Notation
+from derive.handouts.notation.printer import TextPrinter, loses_digits
 from derive.lecture.shorthand import notation_text
 from derive.model.equality import CounterExample
-from derive.robot.description import Remark
+from derive.robot.robot import Robot
 from derive.robot.rounding import DIGITS
 
 Printer = Callable[[Any], str]  # writes a derived formula in the notation of the file's robot
@@ -24,15 +27,30 @@ class Printout:
     """One checked file."""
 
     report: FileReport  # its comparisons
-    printer: Printer  # writes derived formulas in the notation of its robot, for people: numbers with few digits
-    exact: Printer  # writes them with all digits, for programs
-    is_rounded: Callable[[Any], bool]  # whether `printer` rounds a number of one
-    remarks: tuple[Remark, ...] = ()  # what its robot says and hardly means
+    robot: Robot
+
+    @cached_property
+    def notation(self) -> Notation:
+        """That of the robot."""
+        return Notation.of(self.robot)
+
+    @cached_property
+    def printer(self) -> Printer:
+        """Writes derived formulas for people: numbers with few digits."""
+        found: Printer = TextPrinter(self.robot, self.notation).doprint
+        return found
+
+    @cached_property
+    def exact(self) -> Printer:
+        """Writes them with all digits, for programs."""
+        found: Printer = TextPrinter(self.robot).doprint
+        return found
 
     def note(self, finding: Finding) -> str:
         """What is said behind a derived formula where its numbers are rounded."""
-        rounded = not isinstance(finding.right, str) and self.is_rounded(finding.right)
-        return f" (numbers with {DIGITS} digits)" if rounded else ""
+        is_formula, decimals = not isinstance(finding.right, str), self.notation.decimals
+        is_rounded = is_formula and loses_digits([finding.right], decimals=decimals, digits=DIGITS)
+        return f" (numbers with {DIGITS} digits)" if is_rounded else ""
 
 
 @dataclass(frozen=True)
@@ -49,12 +67,10 @@ def report_lines(printout: Printout) -> list[str]:
     report = printout.report
     corrections = right_corrections(report)
     lines: list[str] = []
-    for finding in report.wrong:
+    for finding in (*report.wrong, *report.undecidable):
         lines += finding_lines(finding, printout)
-        if finding.erratum and finding.entry in corrections:
+        if finding.erratum and finding.unknown is None and finding.entry in corrections:
             lines.append(f"  its correction is right: {cut(corrections[finding.entry].text)}")
-    for finding in report.undecidable:
-        lines += finding_lines(finding, printout)
     lines.append(f"{report.source}: {summary(report)}")
     return lines
 
@@ -125,11 +141,12 @@ def finding_lines(finding: Finding, printout: Printout) -> Iterator[str]:
         yield f"  {numbers(finding.verdict.counter_example)}"
 
 
-def as_dict(report: FileReport, printer: Printer) -> dict[str, Any]:
+def as_dict(printout: Printout) -> dict[str, Any]:
     """The report of one file as plain data."""
+    report = printout.report
     counts = {"equal": report.equal, "wrong": len(report.wrong), "undecidable": len(report.undecidable)}
     told = {"not_compared": list(report.unread), "readings": list(report.readings)}
-    entries = [finding_dict(finding, printer) for finding in report.findings]
+    entries = [finding_dict(finding, printout.exact) for finding in report.findings]
     return {"file": report.source, "robot": report.robot, **counts, **told, "entries": entries}
 
 

@@ -16,11 +16,13 @@ from itertools import combinations, product
 from derive.algebra.angles import contracted_groups
 from derive.checking.formulas.findings import Finding, Outcome, Role
 from derive.errors import Location
-from derive.lecture.sympy_conversion import Expr, expression_from_sympy
+from derive.handouts.notation.printer import TextPrinter
+from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.equality import compare, form_of, scalar_quantity
 from derive.model.model import Model
 from derive.model.quantity_names import parse
-from derive.robot.expression import Call, Expression, Number, Product, Sum, add, children, multiply, names, substitute
+from derive.robot import expression as tree
+from derive.robot.expression import Call, Expression, Sum, add, children, names, substitute
 from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.options.style import NAMED_STYLES, STYLE_OPTIONS, Contraction, Grouping, Rates, Style
 from derive.robot.robot import Robot
@@ -55,26 +57,29 @@ class Example:
 
 
 @dataclass(frozen=True, slots=True)
-class ExampleFinding:
-    """What the found style makes of an example."""
+class ExampleVerdict:
+    """What the style that was found makes of one printed formula.
 
-    example: Example
-    outcome: Outcome  # same form, equal in another form, or wrong
-    written: Expr  # the derived formula in the found style
-    reason: str = ""  # why the form differs, in a few words; empty where it does not
+    Attributes:
+        quantity: What it is printed for, such as ``tau[1]``.
+        outcome: ``same form``, ``equal`` where it is written otherwise, or ``wrong``.
+        printed: The formula as printed.
+        written: The derived formula in the style that was found.
+        reason: Why it is not as printed: the options that would write it so, or that none do; empty where it is.
+        place: File, line and column of the formula.
+    """
 
-
-@dataclass(frozen=True, slots=True)
-class StyleFinding:
-    """The style that writes most examples as they are printed."""
-
-    style: Style
-    findings: tuple[ExampleFinding, ...]  # what it makes of each example, in their order
+    quantity: str
+    outcome: str
+    printed: str
+    written: str
+    reason: str
+    place: str
 
     @property
-    def reproduced(self) -> int:
-        """How many examples come out in the printed form."""
-        return sum(found.outcome is Outcome.SAME_FORM for found in self.findings)
+    def reproduced(self) -> bool:
+        """Whether it comes out as printed."""
+        return self.outcome == Outcome.SAME_FORM.value
 
 
 def printed_examples(findings: Iterable[Finding]) -> list[Example]:
@@ -110,9 +115,12 @@ class StyleEvidence:
         """Whether a style writes an example as it is printed."""
         return all(part.fits(style) for part in self._parts[i])
 
-    def finding(self, style: Style) -> StyleFinding:
-        """What a style makes of the examples."""
-        found = []
+    def reproduced(self, style: Style) -> int:
+        """How many examples come out as printed."""
+        return _score(style, self._parts)[0]
+
+    def verdicts(self, style: Style) -> Iterator[ExampleVerdict]:
+        """What a style makes of each example, in their order."""
         for example, parts in zip(self.examples, self._parts, strict=True):
             written = scalar_quantity(self._robots[example.robot].model(style), example.quantity)
             outcome, reason = Outcome.SAME_FORM, ""
@@ -120,8 +128,8 @@ class StyleEvidence:
                 outcome, reason = Outcome.EQUAL, "; ".join(_reason(part, style) for part in different)
                 if not compare(example.robot, expression_from_sympy(written), example.formula).equal:
                     outcome, reason = Outcome.WRONG, "it is not equal to the derived formula"
-            found.append(ExampleFinding(example, outcome, written, reason))
-        return StyleFinding(style, tuple(found))
+            text, place = TextPrinter(example.robot).doprint(written), str(example.location)
+            yield ExampleVerdict(example.quantity, outcome.value, example.text, text, reason, place)
 
 
 def _improved(style: Style, known: Sequence[tuple[_ExamplePart, ...]]) -> Style:
@@ -234,22 +242,11 @@ def _by_rates(robot: Robot, formula: Expression) -> dict[str, Expression]:
     accelerations, velocities = set(map(acceleration_name, variables)), set(map(velocity_name, variables))
     frictional = {name for link in robot.links for cell in (link.viscous, *link.dry) for name in names(cell)}
     found: dict[str, list[Expression]] = {title: [] for title in _TORQUE_PARTS}
-    for term in _addends(formula):
+    for term in (tree.multiply(tree.number(factor), term) for factor, term in tree.linear_terms(formula)):
         used = set(names(term))
         moving = "friction" if used & frictional else "velocities"
         found["accelerations" if used & accelerations else moving if used & velocities else "gravity"].append(term)
     return {title: add(*terms) for title, terms in found.items()}
-
-
-def _addends(e: Expression) -> Iterator[Expression]:
-    """The terms of a sum, a number in front of it multiplied in."""
-    if isinstance(e, Sum):
-        for term in e.terms:
-            yield from _addends(term)
-    elif isinstance(e, Product) and len(e.factors) == 2 and isinstance(e.factors[0], Number):
-        yield from (multiply(e.factors[0], term) for term in _addends(e.factors[1]))
-    else:
-        yield e
 
 
 def _reason(part: _ExamplePart, style: Style) -> str:

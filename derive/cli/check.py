@@ -7,7 +7,6 @@ import sys
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import starmap
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -16,7 +15,6 @@ from derive.errors import CheckError, UnknownNameError
 
 if TYPE_CHECKING:
     from derive.checking.report import Printout
-    from derive.robot.robot import Robot
 
 DESCRIPTION = """\
 Read corpus files (a block `robot:` and a list `expected:` of printed quantities) and say for each printed entry whether
@@ -93,8 +91,8 @@ def run(arguments: argparse.Namespace) -> int:
         checked = []
         for path in arguments.files:
             checked.append(file_printout(path))
-            tell(checked[-1].remarks)
-        written = (as_dict(x.report, x.exact) | {"remarks": [r.as_dict() for r in x.remarks]} for x in checked)
+            tell(checked[-1].robot.remarks)
+        written = (as_dict(x) | {"remarks": x.robot.remarks_as_dicts} for x in checked)
         status = _told(arguments, checked, lambda: list(written), None if sys.stdout.isatty() else report_lines)
         return 0 if status == UNREAD else status  # a file of its own kind may have blocks that are not compared
     is_named, is_latex = arguments.quantity is not None, arguments.latex is not None
@@ -120,8 +118,7 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
             raise CheckError("several robots for one formula", remedy="give a document with --latex, or name one robot")
         robots = [load(path, remarks_on_bodies=False) for path in arguments.files]
         printouts = document_printouts(robots, formula)
-        parts = [(one.report, one.exact) for one in printouts]
-        return _told(arguments, printouts, lambda: list(starmap(as_dict, parts)), formula_lines, robots)
+        return _told(arguments, printouts, lambda: list(map(as_dict, printouts)), formula_lines)
     if arguments.files:
         robot = load(arguments.files[0], remarks_on_bodies=False)
     elif formula is None:
@@ -142,10 +139,10 @@ def _formula(arguments: argparse.Namespace, text: str) -> int:
     if where is not None:
         said = (f"the robot is that of the table at {where}", *reported.report.readings)
         reported = replace(reported, report=replace(reported.report, readings=said))
-    report, exact = reported.report, reported.exact
-    is_single = len(report.findings) == 1 and not report.unread
-    data = partial(finding_dict, report.findings[0], exact) if is_single else partial(as_dict, report, exact)
-    return _told(arguments, [reported], data, formula_lines, [robot])
+    findings, unread = reported.report.findings, reported.report.unread
+    is_single = len(findings) == 1 and not unread
+    data = partial(finding_dict, findings[0], reported.exact) if is_single else partial(as_dict, reported)
+    return _told(arguments, [reported], data, formula_lines)
 
 
 def _told(
@@ -153,7 +150,6 @@ def _told(
     printouts: Sequence[Printout],
     data: Callable[[], Any],
     lines_of: Callable[[Printout], list[str]] | None,
-    robots: Sequence[Robot] = (),
 ) -> int:
     """Write the page where it is asked for, print data or lines (None for a table), and tell the exit status."""
     from derive.checking.report import errata_report
@@ -164,8 +160,7 @@ def _told(
         from derive.checking.page import verdict_page
         from derive.publish.atomic_folder import write_files
 
-        is_page = arguments.out.suffix == ".html" and robots
-        page = verdict_page(printouts, robots) if is_page else errata_report(printouts)
+        page = (verdict_page if arguments.out.suffix == ".html" else errata_report)(printouts)
         write_files({arguments.out: page.encode()}, force=arguments.force)
     if arguments.json:
         print_json(data())

@@ -2,15 +2,11 @@
 
 import argparse
 import sys
-from collections.abc import Callable
 from pathlib import Path
-from typing import TypeVar
 
 from derive.cli.terminal import STDOUT, add_shared, keywords, print_json, progress
-from derive.errors import DeriveError, OutputError
+from derive.errors import OutputError
 from derive.robot.options.handout import Derivation, NotationOptions, chosen_notation, chosen_pages, chosen_parts
-
-T = TypeVar("T")
 
 DESCRIPTION = """\
 Write the equations of ROBOT as a handout: table, transforms, Jacobian and, where links are given, dynamics.
@@ -26,41 +22,30 @@ Without --tex, --pdf and --html the LaTeX file is written. Options take preceden
 
 def configure(parser: argparse.ArgumentParser) -> None:
     """The robot, the forms, and what is shown."""
-    add, parts = parser.add_argument, _reader(lambda text: chosen_parts(text.split(",")))
+    add = parser.add_argument
     add_shared(parser, "robot")
     add("--tex", action="store_true", help="write a complete LaTeX file (default)")
     add("--pdf", action="store_true", help="write LaTeX and PDF; needs latexmk and pdflatex")
     add("--html", action="store_true", help="write a web page in one file")
     add_shared(parser, "folder", help="folder for the files (default: the current one); with --fragment, the file")
-    add("--parts", metavar="A,B", type=parts, help="only these parts, such as table,jacobian,inertia")
+    parts = "only these parts, such as table,jacobian,inertia"
+    add("--parts", metavar="A,B", type=lambda text: chosen_parts(text.split(",")), help=parts)
     add_shared(parser, "lang")
     add("--derivation", choices=[choice.value for choice in Derivation], help="print results, or the steps as well")
     letters = "such as angle=vartheta,inertia=M"
-    add("--notation", metavar="NAME=VALUE", type=_reader(_notation), action="append", help=letters)
+    add("--notation", metavar="NAME=VALUE", type=_notation, action="append", help=letters)
     grouped = parser.add_mutually_exclusive_group()
     add_shared(grouped, "style", help="how expressions are grouped, as for derive show")
     from_notes = "group expressions as these notes do: a .tex file or a corpus file, see derive style"
     grouped.add_argument("--style-from", metavar="NOTES", help=from_notes)
     pages = "largest number of pages; less important parts are left out (default: 20; 0: no limit)"
-    add("--pages", metavar="N", type=_reader(chosen_pages), help=pages)
+    add("--pages", metavar="N", type=chosen_pages, help=pages)
     add("--exercise", action="store_true", help="write an exercise with room for answers, and its solutions")
     add("--plan", metavar="PLAN", help="add a part about this motion plan; the web page plays it")
     add("--fragment", metavar="NAME", help="print the LaTeX of one part or quantity, to \\input into other notes")
     add("--width", metavar="W", help="width of the fragment's lines, such as 84mm (default: that of the document)")
     add_shared(parser, "at", help="joint values for the figure and the numbers, in the units of the robot file")
     add_shared(parser, "force", "quiet", "json")
-
-
-def _reader(read: Callable[[str], T]) -> Callable[[str], T]:
-    """What reads the value of an option, its refusals in the form of the command line."""
-
-    def _read(text: str) -> T:
-        try:
-            return read(text)
-        except DeriveError as error:
-            raise argparse.ArgumentTypeError(str(error)) from None
-
-    return _read
 
 
 def _notation(text: str) -> dict[str, str]:

@@ -11,6 +11,8 @@ from derive.cli.terminal import add_shared, keywords, one_line, print_json
 from derive.errors import DeriveError
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from derive.exchange.from_tree import ImportedTree
     from derive.exchange.from_urdf import Imported
 
@@ -78,24 +80,21 @@ def run(arguments: argparse.Namespace) -> None:
         if not (name.rstrip(":") and sign):
             raise DeriveError(f"--arg {text!r}", allowed="allowed: NAME=VALUE")
         options["arguments"][name.rstrip(":")] = value
-    if not arguments.all:
-        refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
-        folder = arguments.out.parent if arguments.out else Path()
-        found: Imported | ImportedTree
-        if arguments.tree:
-            ends = arguments.ends.split(",") if arguments.ends else ()
-            found = import_tree(file, root=arguments.root, ends=ends, folder=folder, **options)
-        else:
-            found = import_urdf(file, tip=tip, base=base, folder=folder, **options)
-        _deliver({arguments.out: found}, {}, arguments)
+    if arguments.all:
+        options["folder"] = folder = arguments.out or Path()
+        every = import_all(file, **options)
+        _deliver({folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}, every.refused, arguments)
         return
-    folder = arguments.out or Path()
-    every = import_all(file, folder=folder, **options)
-    arms: dict[Path, Imported | ImportedTree] = {folder / f"{arm.robot.name}.yaml": arm for arm in every.arms}
-    _deliver(arms, every.refused, arguments)
+    refuse_taken([arguments.out] if arguments.out else [], force=arguments.force)
+    options["folder"] = arguments.out.parent if arguments.out else Path()
+    if arguments.tree:
+        ends = arguments.ends.split(",") if arguments.ends else ()
+        _deliver({arguments.out: import_tree(file, root=arguments.root, ends=ends, **options)}, {}, arguments)
+    else:
+        _deliver({arguments.out: import_urdf(file, tip=tip, base=base, **options)}, {}, arguments)
 
 
-def _deliver(arms: dict[Path, Imported | ImportedTree], refused: Any, arguments: argparse.Namespace) -> None:
+def _deliver(arms: Mapping[Path, Imported | ImportedTree], refused: Any, arguments: argparse.Namespace) -> None:
     from derive.api.robots import Robot, tell
     from derive.publish.atomic_folder import write_files
 

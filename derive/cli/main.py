@@ -37,11 +37,7 @@ COMMANDS = {
     "completion": "print a completion script for the shell",
 }
 OF_DATA = ("excite", "identify", "map", "sample")
-# Commands that read robot files.
-OF_A_ROBOT = (
-    "show", "plot", "build", "handout", "check", "style", "verify", "convert", "export", "move", "excite", "identify",
-    "map", "new", "sample",
-)  # fmt: skip
+OF_NO_ROBOT = ("list", "import", "schema", "completion")  # commands that read no robot file
 # Set to 1 unless the user has set them; NumPy reads them when it is imported, here and in the processes of ``--jobs``.
 # A fit of a hundred rows takes half a millisecond on one thread, and up to a hundred on two that wait for a core.
 ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
@@ -136,6 +132,15 @@ class _Parser(argparse.ArgumentParser):
             options.append(text)
         return super().parse_known_args([*options, *others, *without_value], namespace)
 
+    def _get_value(self, action: argparse.Action, arg_string: str) -> Any:
+        """The value of an option, which may be refused as those of the Python API are."""
+        from derive.errors import DeriveError
+
+        try:
+            return super()._get_value(action, arg_string)
+        except DeriveError as error:
+            raise argparse.ArgumentError(action, str(error)) from None
+
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Refuse a word that is none of those allowed, with the nearest that is."""
         if action.choices is None or value in action.choices:
@@ -168,7 +173,7 @@ class _Command(_Parser):
         self.description, _, examples = module.DESCRIPTION.rpartition("\n\n")
         self.epilog = f"examples:\n{examples}"
         module.configure(self)
-        if name in OF_A_ROBOT:
+        if name not in OF_NO_ROBOT:
             add_shared(self, "strict")
         self.old = OLD.get(name, {})
         self.set_defaults(run=module.run)

@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 from derive.cli.terminal import FAILED, STDOUT, add_shared, keywords, positive, print_columns, print_error, print_json
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from derive.motion.incremental import Increments
     from derive.motion.motion import Motion
     from derive.motion.simulation.simulation import Run
 
@@ -51,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compute, write what was asked for, and print."""
     from derive.api.move import FORMS, move
     from derive.errors import DeriveError
+    from derive.motion.incremental import increments_of, not_closed
 
     if arguments.format and not (arguments.show or arguments.hand):
         raise DeriveError(f"--format {arguments.format} without --show", remedy="add --show")
@@ -65,8 +69,9 @@ def run(arguments: argparse.Namespace) -> int:
     if rows_alone and (arguments.json or arguments.show or arguments.hand or arguments.increments):
         raise DeriveError(f"--csv {STDOUT} with another output", remedy="name a file")
     forms = [name for name in FORMS if not (name == "csv" and rows_alone)]
-    wrong, options = "", keywords(arguments, *forms, "simulate", "name", "force")
+    options = keywords(arguments, *forms, "simulate", "name", "force")
     found = move(arguments.plan, language=arguments.lang, code=arguments.out, **options)
+    steps = increments_of(found.motion, arguments.increments) if arguments.increments else []
     if rows_alone:
         from derive.motion.output.printed import csv_bytes
 
@@ -75,18 +80,14 @@ def run(arguments: argparse.Namespace) -> int:
         from derive.motion.output.printed import summary
 
         print_json({**summary(found.motion, found.run), "files": list(map(str, found.files))})
-    elif arguments.quiet and arguments.increments:
-        from derive.motion.incremental import increments_of, not_closed
-
-        wrong = not_closed(found.motion, increments_of(found.motion, arguments.increments))
     elif not arguments.quiet:
-        wrong = _print(found.motion, found.run, arguments)
+        _print(found.motion, found.run, steps, arguments)
         for path in found.files[: len(found.files) - (len(found.code.files) if found.code else 0)]:
             print(path)
         if code := found.code:
             unverified = f"; {', '.join(code.left_out)} not, for lack of a C compiler" if code.left_out else ""
             print(f"{arguments.out}: {', '.join(code.files)}, verified to {code.worst:.1g}{unverified}")
-    if wrong:
+    if steps and (wrong := not_closed(found.motion, steps)):
         print_error(wrong)
         return FAILED
     if found.run is not None and not found.run.reached:
@@ -98,24 +99,21 @@ def run(arguments: argparse.Namespace) -> int:
     return FAILED if exceeded else 0
 
 
-def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> str:
-    """The formulas, or the tables; what went wrong."""
+def _print(motion: Motion, run: Run | None, steps: Sequence[Increments], arguments: argparse.Namespace) -> None:
+    """The formulas, or the tables."""
+    from derive.motion.incremental import printed_increments
     from derive.motion.output import printed
 
     as_latex = arguments.format == "latex"
-    if arguments.show or arguments.hand or arguments.increments:
-        from derive.motion.incremental import increments_of, not_closed, printed_increments
-
+    if arguments.show or arguments.hand or steps:
         if arguments.show:
             print(*printed.printed(motion, as_latex=as_latex), sep="\n")
         if arguments.hand:
             way, weights = (make(motion, as_latex=as_latex) for make in (printed.printed_hand, printed.printed_weights))
             print(*way, *weights, sep="\n")
-        if arguments.increments:
-            found = increments_of(motion, arguments.increments)
-            print(*printed_increments(motion, arguments.increments, found), sep="\n")
-            return not_closed(motion, found)
-        return ""
+        if steps:
+            print(*printed_increments(motion, arguments.increments, steps), sep="\n")
+        return
     rows = printed.joint_table(motion) if arguments.joints else printed.table(motion)
     print_columns(rows, (printed.JOINT_HEADER if arguments.joints else printed.HEADER)[: len(rows[0])])
     for line in printed.violations(motion):
@@ -128,4 +126,3 @@ def _print(motion: Motion, run: Run | None, arguments: argparse.Namespace) -> st
         print(f"{control.law}, friction {motion.plan.friction}: {where} balances to {run.energy_error:.1g} J")
         for line in printed.violations(motion, run):
             print(line)
-    return ""

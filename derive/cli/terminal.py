@@ -169,11 +169,13 @@ def line_range(text: str) -> tuple[int, int]:
     return int(first), int(last or first)
 
 
-def _whole(text: str, least: int, most: int) -> int:
-    plain = text.isascii() and text.isdecimal() and len(text) <= len(str(most))
-    if not plain or not least <= int(text) <= most:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number from {least} to {most}")
-    return int(text)
+def _number(text: str, least: float, most: float, kind: type[int] | type[float] = int) -> float:
+    with suppress(ValueError):
+        is_plain = kind is float or (text.isascii() and text.isdecimal() and len(text) <= len(str(most)))
+        if is_plain and least <= kind(text) <= most:
+            return kind(text)
+    what = "a whole number" if kind is int else "a number"
+    raise argparse.ArgumentTypeError(f"{text!r} is not {what} from {least} to {most}")
 
 
 def numbers(text: str, wanted: str) -> list[float]:
@@ -193,19 +195,9 @@ def named_values(texts: Sequence[str], option: str, allowed: str) -> Iterator[tu
         yield name, value
 
 
-positive = partial(_whole, least=1, most=99999999)  # a whole number from 1 on
-digit_count = partial(_whole, least=1, most=30)  # a number of significant digits
-
-
-def magnification(text: str) -> float:
-    """A number from 0.1 to 10."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0.1 <= value <= 10.0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number from 0.1 to 10")
-    return value
+positive = partial(_number, least=1, most=99999999)  # a whole number from 1 on
+digit_count = partial(_number, least=1, most=30)  # a number of significant digits
+magnification = partial(_number, least=0.1, most=10, kind=float)
 
 
 # -- options that several commands have

@@ -127,11 +127,6 @@ class Rotor:
         """Ratio squared times inertia."""
         return self.ratio * self.ratio * self.inertia
 
-    @property
-    def carried(self) -> RigidBody:
-        """What it adds to the link that carries it, with its inertia about its axis."""
-        return self.body + RigidBody.spinning(self.axis, self.inertia)
-
 
 @dataclass(frozen=True, slots=True)
 class ChainSegment:

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from derive.errors import DeriveError, listed, near_miss, quoted
+from derive.errors import DeriveError, listed, quoted, require_known
 from derive.exchange.body_chain import BodyChain, ChainSegment, RigidBody, Rotor, body_chain, given
 from derive.exchange.certificate import ball, frame_of
 from derive.exchange.numeric import with_numbers, with_positive_axes
@@ -140,6 +140,10 @@ def lost_coupling(robot: Robot, written: BodyChain, is_said: Callable[[Rotor], b
     return float(np.abs(np.einsum("kij,kj->ki", inverse, lack)).max())
 
 
+def _rotor(has: Callable[[Rotor], bool]) -> Callable[[ChainSegment], bool]:
+    return lambda segment: segment.rotor is not None and has(segment.rotor)
+
+
 # Gravity along z that programs take for a URDF, and how differently it is rounded, as 9.8 or 9.80665 [m/s^2].
 EARTH, ROUNDING_OF_EARTH = -9.81, 0.02
 # What a joint or its link may have: in words, and whether it has.
@@ -155,17 +159,11 @@ GIVEN: Mapping[str, tuple[str, Callable[[ChainSegment], bool]]] = {
         lambda segment: given(segment.link.signed[1]),
     ),
     "armature": ("the armature", lambda segment: given(segment.link.armature)),
-    "rotor": (
-        "the rotor inertia times ratio squared",
-        lambda segment: segment.rotor is not None and bool(abs(segment.rotor.reflected) > NOTHING),
-    ),
-    "coupling": (
-        "the coupling of the rotor with the joints before it",
-        lambda segment: segment.rotor is not None and segment.rotor.is_coupled,
-    ),
+    "rotor": ("the rotor inertia times ratio squared", _rotor(lambda rotor: bool(abs(rotor.reflected) > NOTHING))),
+    "coupling": ("the coupling of the rotor with the joints before it", _rotor(lambda rotor: rotor.is_coupled)),
     "coupling that varies": (
         "the coupling of the rotor with the joints before it, which depends on q,",
-        lambda each: each.rotor is not None and each.rotor.is_coupled and not coupled_by_tendon(each.rotor),
+        _rotor(lambda rotor: rotor.is_coupled and not coupled_by_tendon(rotor)),
     ),
 }
 
@@ -195,9 +193,7 @@ class Exported:
 
 def exported(robot: Robot, to: str, inertia: str = "given", values: Mapping[str, Expression] | None = None) -> Exported:
     """A robot in the format of another program."""
-    if to not in FORMS:
-        allowed = f"allowed: {', '.join(FORMS)}"
-        raise DeriveError(f"unknown format {quoted(to)}", allowed=allowed, remedy=near_miss(to, FORMS))
+    require_known(to, FORMS, f"unknown format {quoted(to)}")
     if to not in TREES:
         require_chain(robot, "an export")
     wants_possible(inertia)  # a wrong choice is told before missing numbers are

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from derive.errors import DeriveError, RobotFileError, near_miss, quoted
+from derive.errors import DeriveError, RobotFileError, near_miss, quoted, require_known
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
 from derive.exchange.closures import closed, joins, turn_to, variable_of
 from derive.exchange.convert import convention_named
@@ -66,10 +66,8 @@ def import_tree(
     urdf: Urdf, root: str = "", ends: Sequence[str] = (), options: ImportOptions = AS_USUAL, head: str = ""
 ) -> ImportedTree:
     """The robot of all joints of a file, whose root stands, or moves as ``root`` says."""
-    kinds = [kind.value for kind in RootType]
-    if root and root not in kinds:
-        allowed = f"allowed: {', '.join(kinds)}"
-        raise DeriveError(f"--root {quoted(root)}", allowed=allowed, remedy=near_miss(root, kinds))
+    if root:
+        require_known(root, list(RootType), f"--root {quoted(root)}")
     if options.inertia != "given" or options.symbols:
         word = "--symbols" if options.symbols else f"--inertia {options.inertia}"
         raise DeriveError(f"{word} with --tree", allowed="allowed: of one chain alone", remedy="leave one out")

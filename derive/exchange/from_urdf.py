@@ -147,12 +147,10 @@ def snap_of(snap: str | float | Fraction) -> Fraction:
     """A distance of angles, such as ``1e-6``, exactly, from 0 to 0.1 [rad]."""
     if isinstance(snap, Fraction) and 0 <= snap <= MOST_SNAP:
         return snap
-    try:
+    with suppress(InvalidOperation):
         value = Decimal(str(snap))
-    except InvalidOperation:
-        value = Decimal("nan")
-    if value.is_finite() and 0 <= value <= 1 and abs(value.adjusted()) < 100 and Fraction(value) <= MOST_SNAP:
-        return Fraction(value)
+        if value.is_finite() and 0 <= value <= 1 and abs(value.adjusted()) < 100 and Fraction(value) <= MOST_SNAP:
+            return Fraction(value)
     raise DeriveError(f"--snap {quoted(str(snap))}", allowed="allowed: a number from 0 to 0.1", remedy=f"write {SNAP}")
 
 

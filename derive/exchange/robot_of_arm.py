@@ -211,7 +211,7 @@ def with_table(robot: Description, table: Robot) -> Description:
     bodies = [segment.body for segment in segments]
     # Links of the URDF hold the rotors that they carry: these are taken out again.
     for i, (segment, following) in enumerate(pairwise(segments)):
-        if following.rotor is not None and segment.body is not None:
-            rotor = following.rotor.carried.moved(WORLD.seen_from(segment.dh))
+        if (spun := following.rotor) is not None and segment.body is not None:
+            rotor = (spun.body + RigidBody.spinning(spun.axis, spun.inertia)).moved(WORLD.seen_from(segment.dh))
             bodies[i] = segment.body + RigidBody(-rotor.mass, rotor.com, Symmetric(*(-part for part in rotor.entries)))
     return replace(robot, links=tuple(b.link(own) if b else own for b, own in zip(bodies, links, strict=True)))

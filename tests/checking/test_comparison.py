@@ -115,11 +115,10 @@ FORMS = [
 @pytest.mark.parametrize(("option", "robot", "quantity", "text"), FORMS, ids=[row[0] for row in FORMS])
 def test_an_option_is_found_from_a_formula_that_it_writes(option: str, robot: Robot, quantity: str, text: str) -> None:
     evidence = StyleEvidence([example(robot, quantity, text)])
-    finding = evidence.finding(evidence.best_style())
-    assert finding.reproduced == 1
-    assert [found.outcome for found in finding.findings] == [Outcome.SAME_FORM]
-    asked = Style.of(option)
-    assert evidence.finding(asked).reproduced == 1
+    style = evidence.best_style()
+    assert evidence.reproduced(style) == 1
+    assert [found.outcome for found in evidence.verdicts(style)] == [Outcome.SAME_FORM]
+    assert evidence.reproduced(Style.of(option)) == 1
 
 
 def test_of_two_ways_to_write_the_more_frequent_one_is_taken_and_the_other_is_explained() -> None:
@@ -138,13 +137,13 @@ def test_of_two_ways_to_write_the_more_frequent_one_is_taken_and_the_other_is_ex
             example(PLANAR, "B[2,2]", "I2 + m2*l2"),
         ]
     )
-    finding = evidence.finding(evidence.best_style())
-    assert finding.style.gravity.value == "body"
-    outcomes = [found.outcome for found in finding.findings]
-    assert outcomes[-1] is Outcome.WRONG
-    assert finding.findings[-1].reason == "it is not equal to the derived formula"
-    assert outcomes.count(Outcome.SAME_FORM) >= 2
-    assert all(found.reason for found in finding.findings if found.outcome is Outcome.EQUAL)
+    style = evidence.best_style()
+    assert style.gravity.value == "body"
+    findings = list(evidence.verdicts(style))
+    assert findings[-1].outcome == Outcome.WRONG
+    assert findings[-1].reason == "it is not equal to the derived formula"
+    assert evidence.reproduced(style) >= 2
+    assert all(found.reason for found in findings if found.outcome == Outcome.EQUAL)
 
 
 def test_an_equation_of_motion_gives_every_part_its_own_option() -> None:
@@ -154,10 +153,10 @@ def test_an_equation_of_motion_gives_every_part_its_own_option() -> None:
         " + m1*g*l1*c1 + m2*g*a1*c1 + m2*g*l2*c12"
     )
     evidence = StyleEvidence([example(PLANAR, "tau[1]", craig)])
-    finding = evidence.finding(evidence.best_style())
-    assert finding.reproduced == 1
-    assert finding.style.accelerations.value == "term"
-    assert finding.style.velocities.value in ("product", "expanded")
+    style = evidence.best_style()
+    assert evidence.reproduced(style) == 1
+    assert style.accelerations.value == "term"
+    assert style.velocities.value in ("product", "expanded")
 
 
 def test_without_an_example_the_others_decide() -> None:

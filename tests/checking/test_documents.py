@@ -148,7 +148,7 @@ $${}^0R_3 = \begin{bmatrix} c_1 c_{23} & s_1 c_{23} & s_{23} \\
 
 
 def page_of(text: str, name: str = "notes.md") -> str:
-    return verdict_page([formula_printout(ANT, "", document_of(text, name, ".md"), latex=True)], [ANT])
+    return verdict_page([formula_printout(ANT, "", document_of(text, name, ".md"), latex=True)])
 
 
 def test_a_page_tells_slips_what_is_right_and_what_was_not_compared() -> None:

@@ -9,7 +9,7 @@ import pytest
 import sympy
 
 from derive.checking.comparison import check_file
-from derive.checking.files import check_path, corpus_from_bytes
+from derive.checking.files import corpus_from_bytes, file_printout
 from derive.checking.formulas.findings import FileReport, Finding, Role, judge
 from derive.checking.formulas.printed import CorpusFile
 from derive.checking.frames_file import compose, point, rotation, translation
@@ -102,7 +102,7 @@ EQUATION = "newton_euler_base:\n  - {id: x, joint: %s, result: %s, printed: '%s'
 def check(folder: Path, text: str) -> FileReport:
     path = folder / "file.yaml"
     path.write_text(text)
-    return check_path(str(path))[0]
+    return file_printout(path).report
 
 
 def test_products_of_frames_are_compared_entry_by_entry_and_a_slip_is_repaired(tmp_path: Path) -> None:

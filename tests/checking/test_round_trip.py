@@ -12,8 +12,8 @@ import yaml
 
 from derive.api.robots import load
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
-from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import check_inverse, inverse_text
+from derive.checking.formulas.printed import InverseText, PrintedText
+from derive.checking.inverse.check import check_inverse
 from derive.checking.latex.check import check_latex
 from derive.checking.report import Item, errata_items, repaired_text
 from derive.cli.main import main
@@ -44,7 +44,8 @@ def model(robot: str) -> Model:
 
 
 def checked(robot: str, text: str, latex: bool = False) -> tuple[Finding, ...]:
-    return check_inverse(model(robot), inverse_text(text, Asked(Location("book")), latex=latex))[0]
+    where = Location("book")
+    return check_inverse(model(robot), InverseText((PrintedText(text, where),), where, latex=latex))[0]
 
 
 @pytest.mark.parametrize("item", ITEMS, ids=[item["book"] for item in ITEMS])
@@ -159,8 +160,9 @@ def test_what_is_shown_is_right_and_complete(robot: str, form: str) -> None:
     lines = derivation_lines(model.inverse, form, Notation.of(model.robot))
     if form == "text":  # formulas alone, without the words around them
         lines = [line for line in lines if line.startswith("   ") and " = " in line and " if " not in line]
-    asked = Asked(Location(form), model.robot.inverse.task)
-    findings, _ = check_inverse(model, inverse_text("\n".join(lines), asked, latex=form == "latex"))
+    where, task = Location(form), model.robot.inverse.task
+    solution = InverseText((PrintedText("\n".join(lines), where),), where, task, latex=form == "latex")
+    findings, _ = check_inverse(model, solution)
     assert [finding.text for finding in findings if not finding.verdict.equal] == []
     assert findings[-1].role is Role.BRANCHES
     count = model.inverse.count

@@ -6,7 +6,7 @@ from itertools import permutations
 import numpy as np
 from sympy import Expr, Rational, pi, sqrt, sstr
 
-from derive.checking.files import check_path, printout_of
+from derive.checking.files import file_printout
 from derive.checking.report import Printout, errata_report
 from derive.motion.motion import Motion
 from derive.robot.evaluate import evaluate
@@ -32,8 +32,7 @@ HEAD = (
 
 
 def printouts() -> list[Printout]:
-    checked = (check_path(str(path)) for path in sorted(CORPUS.glob("*.yaml")))
-    return [printout_of(report, robot) for report, robot in checked]
+    return [file_printout(path) for path in sorted(CORPUS.glob("*.yaml"))]
 
 
 def page() -> str:

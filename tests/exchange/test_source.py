@@ -44,8 +44,8 @@ def test_a_head_that_says_nothing_is_none(head: str) -> None:
 def test_xacro_is_expanded_with_its_arguments_and_no_others(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf.xacro"
     path.write_text(XACRO)
-    assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
-    assert float(open_urdf(path, arguments={"length": "0.25"}).urdf.joints[1].origin.xyz[0]) == 0.25
+    assert float(open_urdf(path)[0].joints[1].origin.xyz[0]) == 0.5
+    assert float(open_urdf(path, arguments={"length": "0.25"})[0].joints[1].origin.xyz[0]) == 0.25
     path.write_text(XACRO)
     with pytest.raises(RobotFileError, match="no argument 'lenght'; its arguments: 'length'"):
         open_urdf(path, arguments={"lenght": "0.25"})
@@ -55,12 +55,12 @@ def test_xacro_is_known_by_what_it_uses_whatever_the_file_is_called(tmp_path: Pa
     """From standard input, which has no folder, it is refused; what stands in comments is no use of it."""
     path = tmp_path / "arm.urdf"
     path.write_text(XACRO)
-    assert float(open_urdf(path).urdf.joints[1].origin.xyz[0]) == 0.5
+    assert float(open_urdf(path)[0].joints[1].origin.xyz[0]) == 0.5
     with pytest.raises(RobotFileError, match=r"arm\.urdf:2:1: an element 'xacro:arg'"):
         opened(XACRO.encode(), "arm.urdf")
     text = urdf([J()], top="<!-- <xacro:bar/> ${pi} <!-- -->").replace("<robot ", '<robot xmlns:xacro="http://xacro" ')
     path.write_text(text)
-    assert open_urdf(path) == opened(text.encode(), str(path))
+    assert open_urdf(path)[0] == opened(text.encode(), str(path))[0]
 
 
 def test_arguments_need_xacro_and_packages_a_folder(tmp_path: Path) -> None:
@@ -71,7 +71,8 @@ def test_arguments_need_xacro_and_packages_a_folder(tmp_path: Path) -> None:
         open_urdf(plain, arguments={"length": "1"})
     with pytest.raises(RobotFileError, match=r"no folder '.*nowhere'"):
         open_urdf(path, [f"bars={tmp_path / 'nowhere'}"])
-    assert (open_urdf(plain).is_xacro, open_urdf(path).is_xacro) == (False, True)
+    # folders of packages are named in the robot file where xacro has looked in them
+    assert [bool(open_urdf(file, [str(tmp_path)])[1].packages) for file in (plain, path)] == [False, True]
 
 
 def test_what_xacro_does_not_find_is_one_message(tmp_path: Path) -> None:
@@ -97,15 +98,15 @@ def test_includes_are_found_in_packages_by_folder_or_name_and_beside_the_file(
     (tmp_path / folder / "arm.xacro").write_text(XACRO)
     path, include = tmp_path / "cell.xacro", f'<xacro:include filename="{included}"/>'
     path.write_text(f'<robot name="cell" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>')
-    assert len(open_urdf(path, [package.format(tmp_path) for package in packages]).urdf.joints) == 2
+    assert len(open_urdf(path, [package.format(tmp_path) for package in packages])[0].joints) == 2
 
 
 def test_a_digest_is_that_of_the_file_which_is_named_from_the_folder_of_the_other(tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(urdf([J()]))
-    before = open_urdf(path).sha256
+    before = open_urdf(path)[1].sha256
     path.write_text(urdf([J("0 0 1")]))
-    assert open_urdf(path).sha256 != before
+    assert open_urdf(path)[1].sha256 != before
     assert relative(tmp_path / "urdf" / "arm.urdf", tmp_path / "robots") == "../urdf/arm.urdf"
 
 
@@ -167,7 +168,7 @@ def test_what_one_expansion_writes_for_the_next_is_looked_at(tmp_path: Path) -> 
 def test_sums_of_lengths_are_evaluated(value: str, tmp_path: Path) -> None:
     path = tmp_path / "arm.urdf"
     path.write_text(file_with(value))
-    assert float(open_urdf(path).urdf.joints[0].origin.xyz[0]) == 0.25
+    assert float(open_urdf(path)[0].joints[0].origin.xyz[0]) == 0.25
 
 
 def test_other_users_of_xacro_find_it_as_it_was() -> None:

@@ -9,8 +9,8 @@ import yaml
 
 from derive.api.robots import load
 from derive.checking.formulas.findings import Role, judge
-from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import check_inverse, inverse_text
+from derive.checking.formulas.printed import InverseText, PrintedText
+from derive.checking.inverse.check import check_inverse
 from derive.errors import Location
 from derive.inverse.words.solutions import InverseKinematics
 from derive.lecture.shorthand import read_formula
@@ -86,8 +86,9 @@ ROWS: list[dict[str, Any]] = yaml.safe_load(Path(__file__).with_name("inverse.ya
 
 @pytest.mark.parametrize("row", ROWS, ids=[row["document"] for row in ROWS])
 def test_every_printed_solution_has_its_verdicts_and_its_errata_their_repair(row: dict[str, Any]) -> None:
-    asked = Asked(Location("document"))
-    findings, _ = check_inverse(Model(load(row["robot"])), inverse_text(row["latex"], asked, latex=True))
+    where = Location("document")
+    solution = InverseText((PrintedText(row["latex"], where),), where, latex=True)
+    findings, _ = check_inverse(Model(load(row["robot"])), solution)
     lines = [finding for finding in findings if finding.role is Role.SOLUTION]
     assert [(f.quantity, judge(f).outcome.value) for f in lines] == [(v["of"], v["is"]) for v in row["verdicts"]]
     for finding, verdict in zip(lines, row["verdicts"], strict=True):

@@ -51,7 +51,7 @@ def share(examples: Sequence[Example], *, foretell: bool = True) -> Share:
     """What the styles make of some formulas; leaving each of them out once takes long."""
     evidence = StyleEvidence(examples)
     style = evidence.best_style()
-    found, default = (evidence.finding(each).reproduced for each in (style, Style()))
+    found, default = map(evidence.reproduced, (style, Style()))
     foretold = [evidence.fits(i, evidence.best_style(without=i)) for i in range(len(examples)) if foretell]
     return Share(len(examples), default, found, sum(foretold), style)
 

@@ -34,14 +34,11 @@ def branches(robot: Robot, one: Expression, other: Expression) -> tuple[int, int
     sides = [_with_one_arc(side) for side in (one, other)]  # Atan2 may have the cosine first
     variants = [[with_atan2(side, "Atan2", turned) for side in sides] for turned in (False, True)]
     variants = variants[: 1 + any(count_calls(side, "Atan2") > 0 for side in (one, other))]
-    points = alike = 0
-    for sample in samples(robot, [name for name in wanted if name[0] != SIGN]):
-        near = list(_nearness(variants, {name: float(value) for name, value in sample.items()}, signs, modulus))
-        points += bool(near)
-        alike += any(near)
-        if points == POINTS:
-            break
-    return points, alike
+    points = samples(robot, [name for name in wanted if name[0] != SIGN])
+    values = ({name: float(value) for name, value in point.items()} for point in points)
+    near = (list(_nearness(variants, known, signs, modulus)) for known in values)
+    alike = [any(each) for each in itertools.islice(filter(None, near), POINTS)]
+    return len(alike), sum(alike)
 
 
 def _nearness(

@@ -117,11 +117,9 @@ def is_token(e: Expression) -> bool:
 
 def nodes(e: Expression) -> Iterator[Expression]:
     """Every node of a tree."""
-    waiting = [e]
-    while waiting:
-        node = waiting.pop()
-        yield node
-        waiting.extend(tree.children(node))
+    yield e
+    for child in reversed(tree.children(e)):
+        yield from nodes(child)
 
 
 class SlipKind(Enum):

@@ -1,10 +1,12 @@
 """Comparisons of printed formulas with derived ones, and the verdict on each: same form, equal, or wrong and why."""
 
+from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import Enum, StrEnum
 from fractions import Fraction
 from functools import lru_cache
+from itertools import islice, takewhile
 from math import floor, log10
 
 import sympy
@@ -157,23 +159,17 @@ def _within_rounding(robot: Robot, right: Expression, printed: Expression) -> bo
         return False
     halves = {name: 0.5 * 10.0 ** (floor(log10(abs(value))) - digits + 1) for name, value in decimals.items()}
     wanted = sorted({*tree.names(right), *tree.names(printed)})
-    points = 0
-    for sample in samples(robot, wanted):
-        values = {name: float(value) for name, value in (sample | decimals).items()}
-        try:
-            there = float_value(marked, values)
-            gap = abs(there - float_value(right, values))
-            # first-order error propagation: half a unit of the last digit of each decimal, all with the worst sign
-            changes = (float_value(marked, {**values, n: values[n] + half}) - there for n, half in halves.items())
-            allowed = _SLACK * sum(map(abs, changes)) + 1e-12 * abs(there)
-        except (ArithmeticError, ValueError):
-            continue
-        if gap > allowed:
-            return False
-        points += 1
-        if points == ROUNDING_POINTS:
-            return True
-    return False
+
+    def is_explained() -> Iterator[bool]:
+        for sample in samples(robot, wanted):
+            values = {name: float(value) for name, value in (sample | decimals).items()}
+            with suppress(ArithmeticError, ValueError):
+                there = float_value(marked, values)
+                # first-order error propagation: half a unit of the last digit of each decimal, all with the worst sign
+                changes = (float_value(marked, {**values, n: values[n] + half}) - there for n, half in halves.items())
+                yield abs(there - float_value(right, values)) <= _SLACK * sum(map(abs, changes)) + 1e-12 * abs(there)
+
+    return [*takewhile(bool, islice(is_explained(), ROUNDING_POINTS))] == [True] * ROUNDING_POINTS
 
 
 def _with_marked_decimals(e: Expression, decimals: dict[str, Fraction]) -> Expression:

@@ -102,20 +102,13 @@ class Solution:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked:
-    """What is said beside the lines of a printed solution."""
-
-    location: Location  # where it stands
-    task: Task | None = None  # the rows of its task; None where the names that it uses say it
-    cosine_first: bool | None = None  # whether its atan2 takes the cosine first; None where the text decides
-
-
-@dataclass(frozen=True, slots=True)
 class InverseText:
     """A printed solution as it is given."""
 
     parts: tuple[PrintedText, ...]  # its text in one or several pieces
-    asked: Asked  # what is said beside it, and where it begins
+    location: Location  # where it begins
+    task: Task | None = None  # the rows of its task; None where the names that it uses say it
+    cosine_first: bool | None = None  # whether its atan2 takes the cosine first; None where the text decides
     latex: bool = False  # whether it is LaTeX
     document: bool = False  # whether it is a LaTeX document, whose displays are read
     status: str = "ok"  # ``ok``, or ``erratum`` where it is known to be wrong

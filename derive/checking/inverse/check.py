@@ -20,7 +20,7 @@ from derive.checking.formulas.branches import SIGN, count_calls, with_atan2
 from derive.checking.formulas.diagnosis import Repair
 from derive.checking.formulas.edits import Replacements, SlipKind, changes_text, edits, spots
 from derive.checking.formulas.findings import Finding, Role, Skipped
-from derive.checking.formulas.printed import Asked, InverseText, PrintedText
+from derive.checking.formulas.printed import InverseText
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import geometry_symbols, places, pose_of
 from derive.checking.inverse.printed import Place, PrintedFormula, PrintedInverse, PrintedLine, determined_joints
@@ -47,11 +47,11 @@ TRIED_FOR_BRANCHES = 16  # poses at which it is counted how many of their soluti
 def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:
     """The verdicts on every line about a joint and on all branches together, and the equations that are not read."""
     robot, signs = model.robot, plus_minus()
-    require_chain(robot, "a check of inverse kinematics", solution.asked.location)
+    require_chain(robot, "a check of inverse kinematics", solution.location)
     equations, words = list[list[Side]](), list[str]()
     if not any(part.text.strip() for part in solution.parts):
-        where = solution.asked.location
-        raise CheckError("empty solution", remedy="write theta1 = ..., one quantity a line", location=where)
+        remedy = "write theta1 = ..., one quantity a line"
+        raise CheckError("empty solution", remedy=remedy, location=solution.location)
     read = partial(latex_equations, document=solution.document) if solution.latex else text_equations
     refused: list[Skipped] | None = [] if solution.document else None
     try:
@@ -61,18 +61,13 @@ def check_inverse(model: Model, solution: InverseText) -> tuple[tuple[Finding, .
             words += named
         part = solution.parts[0]  # where errors of the whole stand
         printed, vocabulary = assembled(robot, equations, words, refused)
-        check = _InverseCheck(model, printed, vocabulary, solution.asked)
+        check = _InverseCheck(model, printed, vocabulary, solution)
         findings = [*check.lines(), *([] if check.is_wrong else [check.branches()])]
     except CheckError as error:
         raise error if part.verbatim else error.moved(part.location) from None
     erratum = solution.status == "erratum"
     said = (replace(f, erratum=erratum and not f.verdict.equal, remark=solution.remark) for f in findings)
     return tuple(said), tuple(refused or ())
-
-
-def inverse_text(text: str, asked: Asked, *, latex: bool = False, document: bool = False) -> InverseText:
-    """A printed solution that stands in no file of its own kind."""
-    return InverseText((PrintedText(text, asked.location),), asked, latex, document)
 
 
 def names_inverse(model: Model, quantity: str) -> bool:
@@ -85,7 +80,7 @@ def names_inverse(model: Model, quantity: str) -> bool:
 class _InverseCheck:
     """The comparison of one printed solution."""
 
-    def __init__(self, model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: Asked) -> None:
+    def __init__(self, model: Model, printed: PrintedInverse, vocabulary: Vocabulary, asked: InverseText) -> None:
         self._model, self._vocabulary, self._asked = model, vocabulary, asked
         self.is_wrong = False
         self._places: Sequence[Place] = places(vocabulary.pose, vocabulary.sums)

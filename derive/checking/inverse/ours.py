@@ -102,8 +102,7 @@ class OurSolution:
     @cached_property
     def _twins(self) -> Mapping[str, Expression]:
         """Entries of the pose by the first one that is the same at every reachable pose, as r21 = r12 of a SCARA."""
-        if self.inverse is None:
-            return {}
+        assert self.inverse is not None, "it has formulas"
         cells, pose = product(range(3), range(4)), self.inverse.pose
         columns = {str(pose[i, j]): np.array([place.pose[i][j] for place in self._places]) for i, j in cells}
         # entries that agree at all configurations that were tried are equal as functions of the joints

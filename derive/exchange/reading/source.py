@@ -16,7 +16,7 @@ import json
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from hashlib import sha256
 from pathlib import Path
@@ -73,36 +73,32 @@ class ChainSource:
             return None
 
 
-@dataclass(frozen=True, slots=True)
-class Opened:
-    """A URDF as it was found."""
-
-    urdf: Urdf  # the robot
-    sha256: str  # of the bytes of the file
-    is_xacro: bool = False  # whether xacro made it of the file
-
-
-def open_urdf(path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None) -> Opened:
-    """Read a URDF or a xacro file."""
-    data, name = file_bytes(path, MOST_BYTES), str(path)
+def open_urdf(
+    path: Path, packages: Sequence[str] = (), arguments: Mapping[str, str] | None = None, folder: Path | None = None
+) -> tuple[Urdf, ChainSource]:
+    """Read a URDF or a xacro file, and say how a robot file of a folder names it, but for the links at both ends."""
+    data, name, file = file_bytes(path, MOST_BYTES), str(path), relative(path, folder or Path())
     # What stands outside comments may be something to expand.
     first, *others = data.split(b"<!--") if b"xmlns:xacro" in data else [b""]
     is_xacro = any(_XACRO.search(part) for part in (first, *(other.partition(b"-->")[2] for other in others)))
     if not (path.suffix.lower() == XACRO or is_xacro):
-        return opened(data, name, arguments)
+        urdf, source = opened(data, name, arguments)
+        return urdf, replace(source, file=file)
     missing = next((f for text in packages if not Path(f := text.rpartition("=")[2]).is_dir()), None)
     if missing is not None:
         raise RobotFileError(f"--packages: no folder {quoted(missing, 200)}", remedy="name one that is there")
     urdf = read_urdf(_expanded(path, packages, arguments or {}), name)
-    return Opened(urdf, sha256(data).hexdigest(), is_xacro=True)
+    seen, said = (moved(each, Path(), path.parent) for each in packages), (arguments or {}).items()
+    return urdf, ChainSource(file, "", "", sha256(data).hexdigest(), tuple(seen), tuple(said))
 
 
-def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> Opened:
-    """A URDF that has been read already."""
+def opened(data: bytes, name: str, arguments: Mapping[str, str] | None = None) -> tuple[Urdf, ChainSource]:
+    """A URDF that has been read already; it has no file."""
     if arguments:
         found = f"arguments of xacro, {', '.join(map(quoted, arguments))}, for a file without xacro"
         raise RobotFileError(found, remedy="leave out --arg")
-    return Opened(read_urdf(data, name if name.isprintable() else quoted(name, 200)), sha256(data).hexdigest())
+    urdf = read_urdf(data, name if name.isprintable() else quoted(name, 200))
+    return urdf, ChainSource("", "", "", sha256(data).hexdigest())
 
 
 def _expanded(path: Path, packages: Sequence[str], arguments: Mapping[str, str]) -> bytes:
@@ -209,3 +205,9 @@ def relative(path: Path, folder: Path) -> str:
         return Path(os.path.relpath(path, folder)).as_posix()
     except ValueError:  # another drive
         return path.as_posix()
+
+
+def moved(package: str, from_folder: Path, to_folder: Path) -> str:
+    """A folder, or ``NAME=DIR``, seen from another folder."""
+    name, sign, folder = package.rpartition("=")
+    return f"{name}{sign}{relative(from_folder / folder, to_folder)}"

@@ -10,8 +10,8 @@ from derive.api.robots import load
 from derive.checking.comparison import POSE_NAMES, check_file
 from derive.checking.files import corpus_from_bytes
 from derive.checking.formulas.findings import Finding, Outcome, Role, judge
-from derive.checking.formulas.printed import Asked
-from derive.checking.inverse.check import check_inverse, inverse_text, shown
+from derive.checking.formulas.printed import InverseText, PrintedText
+from derive.checking.inverse.check import check_inverse, shown
 from derive.checking.inverse.ours import OurSolution
 from derive.checking.inverse.poses import PoseNames, places
 from derive.checking.inverse.printed import PrintedInverse
@@ -33,7 +33,8 @@ def model(robot: str) -> Model:
 
 
 def checked(robot: str, text: str, *, latex: bool = False) -> tuple[Finding, ...]:
-    return check_inverse(model(robot), inverse_text(text, Asked(Location("notes")), latex=latex))[0]
+    where = Location("notes")
+    return check_inverse(model(robot), InverseText((PrintedText(text, where),), where, latex=latex))[0]
 
 
 def outcomes(findings: tuple[Finding, ...]) -> dict[str, Outcome]:
