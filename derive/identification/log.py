@@ -114,8 +114,12 @@ class Log:
             return sum(block.count(b"\n") for block in iter(lambda: file.read(1 << 20), b"")) - 1
 
     def _error(self, found: str, row: int = -1, *, allowed: str = "", remedy: str = "") -> DeriveError:
-        """A refusal; a row is counted from 0."""
-        place = Location(str(self.path), row + 2) if self._csv else None
+        """A refusal; a row is counted from 0, and blank lines of a CSV do not count."""
+        place = None
+        if self._csv:
+            with self._csv.open(encoding="utf-8-sig", errors="replace") as file:
+                lines = (number for number, text in enumerate(file, 1) if text.strip("\r\n"))
+                place = Location(str(self.path), next(islice(lines, row + 1, None), row + 2))
         text = found if place else f"{self.path or 'the table'}: {found}"
         return DeriveError(text, location=place, allowed=allowed, remedy=remedy)
 
@@ -181,11 +185,7 @@ class Log:
             column, line, cell, cells = wrong.groups()
             what = f"{cells} cells" if cells else f"{quoted(cell)} for {self.names[int(column)]}"
             remedy = f"write {len(self.names)}" if cells else "correct the line"
-            # Arrow does not count blank lines
-            with Path(str(self.path)).open(encoding="utf-8-sig", errors="replace") as file:
-                written = (number for number, text in enumerate(file) if text.strip("\r\n"))
-                row = next(islice(written, int(line) - 1, None), int(line) - 1) - 1
-            raise self._error(what, row, allowed="allowed: numbers", remedy=remedy) from None
+            raise self._error(what, int(line) - 2, allowed="allowed: numbers", remedy=remedy) from None
 
     def _record_batches(self, names: list[str]) -> Any:
         if self.path is None:

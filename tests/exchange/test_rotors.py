@@ -6,6 +6,7 @@ from xml.etree import ElementTree as Xml
 import numpy as np
 import pytest
 
+from derive.errors import DeriveError
 from derive.exchange.body_chain import body_chain
 from derive.exchange.formats import exported, lost_coupling, with_rotors
 from derive.mechanics.space import exactly
@@ -60,7 +61,9 @@ def test_a_random_arm_is_taken_by_mujoco_and_accelerates_as_ours_or_the_remark_s
     robot = random_arm(seed, motors=seed % 2 == 1)
     try:
         made, plain = exported(robot, "mjcf", "possible"), exported(robot, "urdf", "possible")
-    except NoSuchBodies:  # some, where bodies of so little inertia carry such a rotor, or are points
+    except DeriveError as error:  # bodies of so little inertia carry such a rotor, or are points
+        if not isinstance(error, NoSuchBodies) and "the search found none" not in error.found:
+            raise
         pytest.skip("refused")
     acceleration, pose = worst(robot, made.text)
     told = [float(remark.partition("by up to ")[2].split()[0]) for remark in made.remarks if "coupling" in remark]

@@ -47,27 +47,21 @@ def _ways(letters: Sequence[str], convention: Convention) -> Iterator[tuple[dict
     """Values of the letters, and the transform with them, in which is zero what has no letter."""
     matches = {letter: match for letter in letters if (match := _LETTER.fullmatch(letter))}
     lengths = sorted({match["length"] for match in matches.values() if match["length"]})
-    angles = {
-        match["angle"].lower()[0]: _ANGLES[match["angle"].lower()] for match in matches.values() if match["angle"]
-    }
+    turned = {letter: match["angle"].lower() for letter, match in matches.items() if match["angle"]}
+    angles = {angle[0]: _ANGLES[angle] for angle in turned.values()}
     if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS):
         return
     of_function = {"c": cos, "s": sin, "": float}
-    values = {
-        letter: of_function[(match["function"] or "").lower()](_ANGLES[match["angle"].lower()])
-        for letter, match in matches.items()
-        if match["angle"]
-    }
+    functions = {letter: (matches[letter]["function"] or "").lower() for letter in turned}
+    values = {f"?{letter}": of_function[functions[letter]](_ANGLES[angle]) for letter, angle in turned.items()}
+    values |= {f"?{letter}": _LENGTHS[lengths.index(matches[letter]["length"])] for letter in matches.keys() - turned}
     turn, twist = _turned(angles["t"], 0, 1), _turned(angles.get("a", 0.0), 1, 2)
-    for chosen in permutations(_LENGTHS, len(lengths)):  # Khalil's d is our a, his r our d
-        of_length = dict(zip(lengths, chosen, strict=True))
-        own = {letter: of_length[match["length"]] for letter, match in matches.items() if match["length"]}
-        for along_x, along_z in permutations([*chosen, 0.0, 0.0][:2]):
-            shift_x, shift_z = np.eye(4), np.eye(4)
-            shift_x[0, 3], shift_z[2, 3] = along_x, along_z
-            standard = turn @ shift_z @ shift_x @ twist
-            step = standard if convention is Convention.STANDARD else twist @ shift_x @ turn @ shift_z
-            yield {f"?{letter}": value for letter, value in (values | own).items()}, step
+    # Khalil's d is our a, his r our d
+    for along_x, along_z in permutations([*_LENGTHS[: len(lengths)], 0.0, 0.0][:2]):
+        shift_x, shift_z = np.eye(4), np.eye(4)
+        shift_x[0, 3], shift_z[2, 3] = along_x, along_z
+        standard = turn @ shift_z @ shift_x @ twist
+        yield values, standard if convention is Convention.STANDARD else twist @ shift_x @ turn @ shift_z
 
 
 def _turned(angle: float, i: int, j: int) -> npt.NDArray[np.float64]:
