@@ -32,7 +32,7 @@ def misprints(table: Table, letters: Sequence[str], convention: Convention) -> l
     if table.shape not in ((4, 4), (3, 3)):
         return None
     found = list[list[tuple[int, int]]]()
-    for values, step in _ways(letters, convention):
+    for values, step in _ways(letters, convention, has_place=len(table.rows) > 3):
         with suppress(*NO_VALUE):
             printed = np.reshape([float_value(entry.formula, values) for entry in table.entries], table.shape)
             differing = np.argwhere(np.abs(printed - step[: len(table.rows), : len(table.rows)]) > ALIKE)
@@ -43,13 +43,15 @@ def misprints(table: Table, letters: Sequence[str], convention: Convention) -> l
     return best
 
 
-def _ways(letters: Sequence[str], convention: Convention) -> Iterator[tuple[dict[str, float], npt.NDArray[np.float64]]]:
+def _ways(
+    letters: Sequence[str], convention: Convention, *, has_place: bool
+) -> Iterator[tuple[dict[str, float], npt.NDArray[np.float64]]]:
     """Values of the letters, and the transform with them, in which is zero what has no letter."""
     matches = {letter: match for letter in letters if (match := _LETTER.fullmatch(letter))}
     lengths = sorted({match["length"] for match in matches.values() if match["length"]})
     turned = {letter: match["angle"].lower() for letter, match in matches.items() if match["angle"]}
     angles = {angle[0]: _ANGLES[angle] for angle in turned.values()}
-    if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS):
+    if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS) * has_place:
         return
     of_function = {"c": cos, "s": sin, "": float}
     functions = {letter: (matches[letter]["function"] or "").lower() for letter in turned}

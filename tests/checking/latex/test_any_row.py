@@ -39,3 +39,7 @@ def test_a_derived_transform_is_that_of_any_row_and_one_other_sign_is_found(
     (first, *others), *rows = table.rows
     slipped = Table(((replace(first, formula=negate(first.formula)), *others), *rows))
     assert misprints(slipped, names, convention) == [(1, 1)]
+    turn = Table(tuple(tuple(row[:3]) for row in table.rows[:3]))
+    angles = [name for name in names if name.startswith(("th", "alpha"))]
+    assert misprints(turn, angles, convention) == []
+    assert misprints(turn, names, convention) is None  # a transform of the plane
