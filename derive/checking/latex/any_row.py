@@ -7,8 +7,8 @@ from itertools import permutations
 from math import cos, sin
 
 import numpy as np
-import numpy.typing as npt
 
+from derive.arrays import Array
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE
@@ -32,7 +32,7 @@ def misprints(table: Table, letters: Sequence[str], convention: Convention) -> l
     if table.shape not in ((4, 4), (3, 3)):
         return None
     found = list[list[tuple[int, int]]]()
-    for values, step in _ways(letters, convention, has_place=len(table.rows) > 3):
+    for values, step in _ways(letters, convention, len(table.rows)):
         with suppress(*NO_VALUE):
             printed = np.reshape([float_value(entry.formula, values) for entry in table.entries], table.shape)
             differing = np.argwhere(np.abs(printed - step[: len(table.rows), : len(table.rows)]) > ALIKE)
@@ -43,15 +43,13 @@ def misprints(table: Table, letters: Sequence[str], convention: Convention) -> l
     return best
 
 
-def _ways(
-    letters: Sequence[str], convention: Convention, *, has_place: bool
-) -> Iterator[tuple[dict[str, float], npt.NDArray[np.float64]]]:
+def _ways(letters: Sequence[str], convention: Convention, size: int) -> Iterator[tuple[dict[str, float], Array]]:
     """Values of the letters, and the transform with them, in which is zero what has no letter."""
     matches = {letter: match for letter in letters if (match := _LETTER.fullmatch(letter))}
     lengths = sorted({match["length"] for match in matches.values() if match["length"]})
     turned = {letter: match["angle"].lower() for letter, match in matches.items() if match["angle"]}
     angles = {angle[0]: _ANGLES[angle] for angle in turned.values()}
-    if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS) * has_place:
+    if len(matches) < len(letters) or "t" not in angles or len(lengths) > len(_LENGTHS) * (size > 3):
         return
     of_function = {"c": cos, "s": sin, "": float}
     functions = {letter: (matches[letter]["function"] or "").lower() for letter in turned}
@@ -66,7 +64,7 @@ def _ways(
         yield values, standard if convention is Convention.STANDARD else twist @ shift_x @ turn @ shift_z
 
 
-def _turned(angle: float, i: int, j: int) -> npt.NDArray[np.float64]:
+def _turned(angle: float, i: int, j: int) -> Array:
     """A turn from axis i to axis j, counted from 0."""
     found = np.eye(4)
     found[i, i] = found[j, j] = cos(angle)
