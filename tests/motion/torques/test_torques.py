@@ -157,17 +157,6 @@ base: {y: t**2, rpy: [t, t**2/4, 0]}
     assert Motion.from_text(light).torques(before) == pytest.approx(bare.torques(before), rel=1e-12)
 
 
-def test_a_base_that_falls_freely_carries_no_weight() -> None:
-    robot = Robot.load("puma560-corke")
-    values: Any = parameter_values(robot)
-    falling = BaseCurve.of((TIME * 0, TIME * 0, -Rational(981, 200) * TIME**2), (TIME * 0,) * 3)
-    q = np.random.default_rng(3).uniform(-2, 2, (5, 6))
-    added = BaseTorques(robot, values, falling, 1.0)(np.linspace(0, 1, 5), q, np.zeros((5, 6)))
-    motion = Motion.from_text("robot: puma560-corke\npoints: {a: [0, 0, 0, 0, 0, 0]}\npath: [a, {to: a, time: 1}]\n")
-    standing = np.array([motion._loaded(np.array(0), row, row * 0, row * 0) for row in q])
-    assert added == pytest.approx(-standing, abs=1e-12)
-
-
 PENDULUM = """robot: {name: arm, convention: standard, gravity: [GX, -9.81, 0],
   joints: [{type: revolute, a: 0.5}, {type: revolute, a: 0.4}],
   links: [{mass: 2, com: [-0.2, 0, 0], inertia: {xx: 0, yy: 0.1, zz: 0.1}, friction: {coulomb: DRY, viscous: 0.1}},

@@ -170,13 +170,6 @@ def test_a_hanging_pendulum_needs_torque_against_gravity_when_lifted() -> None:
     assert let_go == pytest.approx([-2 * 9.81 * 0.5 / (2 * 0.25 + 0.3)])
 
 
-def test_friction_resists_motion_and_vanishes_at_rest() -> None:
-    oracle = Oracle.of(PENDULUM)
-    down = [-np.pi / 2]
-    torques = [oracle.evaluate("inverse_dynamics", down, [rate], [0.0])[0] for rate in (2.0, -2.0, 0.0)]
-    assert torques == pytest.approx([2 * 0.4 + 0.25, -2 * 0.4 - 0.25, 0.0])
-
-
 def test_a_geared_rotor_couples_joints_with_parallel_axes_by_ratio_times_inertia() -> None:
     """Planar arm with rotors (Siciliano et al., section 7.3.2): b_12 gains kr2 Im2, b_22 gains kr2^2 Im2, b_11 Im2."""
     rotors = "{motor: {mass: 0, inertia: 0.02, ratio: 100}}, {motor: {mass: 0, inertia: 0.03, ratio: 50}}"
