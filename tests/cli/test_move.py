@@ -1,4 +1,4 @@
-"""``derive move``: what it prints and writes, and one message for each way in which a plan can be wrong."""
+"""``derive move``: what it prints and writes; wrong plans are tested in `tests/plans`."""
 
 import json
 import re
@@ -8,7 +8,7 @@ import pytest
 
 from derive.plans.catalogue import plan_names
 from derive.robot.load import catalogue_names
-from tests.cli.command import accepted, derive, is_one_message, refused
+from tests.cli.command import accepted, derive, is_one_message
 
 PENDULUM = """\
 robot: {name: p, convention: standard, gravity: [0, -9.81, 0], links: [{mass: 1}],
@@ -17,40 +17,10 @@ points: {a: [0], b: [1]}
 path: [a, {to: b, time: 1/5}]
 """
 
-POSES = """\
-robot: {name: arm, convention: standard, inverse: {task: [x, y]},
-  joints: [{type: revolute, a: 1}, {type: revolute, a: 0.5}]}
-points:
-  a: [0, pi/2]
-  b: {pose: {p: [1.2, 0.3, 0]}}
-path: [a, {to: b, time: 1}]
-"""
-SINGULAR = POSES.replace("[0, pi/2]", "[0, 0]")
-
 
 def written(text: str, folder: Path) -> str:
     (folder / "plan.yaml").write_text(text)
     return "plan.yaml"
-
-
-MOVED_BY_A_SLIDE = PENDULUM.replace("revolute, a: 1, limits: [-3, 3]", "prismatic")
-WRONG = [
-    (PENDULUM, "to: b", "to: bb", r":4:16: path entry 2, to: unknown point 'bb'; allowed: a, b; did"),
-    (MOVED_BY_A_SLIDE, "b: [1]", "b: [pi/2]", r":3:22: points, b entry 1: an angle, 'pi/2', for the slide q1; allow"),
-    (SINGULAR, ": 1}]", ": 1, line: yes}]", r":6:11: the way starts at a singular configuration, where sin\(q2\) = 0"),
-]
-"""Reading a plan is tested in `tests/plans`."""
-
-
-@pytest.mark.parametrize(("text", "old", "new", "message"), WRONG)
-def test_a_wrong_plan_is_one_message_at_its_place_and_nothing_is_written(
-    text: str, old: str, new: str, message: str, tmp_path: Path
-) -> None:
-    assert old in text
-    done = refused("move", written(text.replace(old, new), tmp_path), "--csv", "run.csv", folder=tmp_path)
-    assert done.stdout == ""
-    assert re.search("plan.yaml" + message, done.stderr), done.stderr
-    assert not (tmp_path / "run.csv").exists()
 
 
 def test_no_move_is_accepted_and_a_limit_that_is_exceeded_is_a_line_and_status_1(tmp_path: Path) -> None:

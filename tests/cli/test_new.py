@@ -17,7 +17,7 @@ from derive.robot.robot import Robot
 from derive.workspace.point import ArmPoint, joint_ranges
 from derive.workspace.poses import RobotPoses
 from derive.workspace.views import find_wrist
-from tests.cli.command import PENDULUM, derive
+from tests.cli.command import PENDULUM
 
 
 @pytest.mark.parametrize("joints", [*range(1, 9), 64])
@@ -60,13 +60,6 @@ def test_of_a_corpus_file_the_robot_is_copied_and_any_name_is_exchanged(tmp_path
     for text in (quoted, '{"name": "p", "convention": "standard", "joints": [{"type": "revolute"}]}'):
         path.write_text(text)
         assert Robot.from_text(copied_robot_text("other", str(path))).name == "other"
-
-
-def test_the_command_copies(tmp_path: Path) -> None:
-    done = derive("new", "my-puma", "--from", "puma560-corke", folder=tmp_path)
-    assert (done.status, done.stdout) == (0, "my-puma.yaml\n")
-    assert Robot.load(tmp_path / "my-puma.yaml").units.degrees
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["my-puma.yaml"]
 
 
 def test_names_that_no_robot_may_have_are_refused() -> None:

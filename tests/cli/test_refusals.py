@@ -15,6 +15,8 @@ FILES = {
     "planar.yaml": PLANAR,
     "right.yaml": "robot: {name: p, convention: standard, joints: [{type: revolute, a: a1}]}\n"
     "expected:\n  - {quantity: p, entries: {'1': a1*c1}}\n",
+    "plan.yaml": "robot: planar.yaml\npoints: {a: [0, 0], b: {pose: {p: [0.7, 0.2, 0]}}}\n"
+    "path: [a, {to: b, time: 1, line: yes}]\n",
     "notes.md": "# Arm\n$x = a_1 c_1 + a_2 c_{12}$\n",
     "empty.md": "# No formula\nhere\n",
     "arm.urdf": urdf([J("0 0 0.3"), J("0.4 0 0", type="fixed", link="tool")]),
@@ -109,6 +111,7 @@ map planar.yaml -o s.zarr --workers 2 --scheduler tcp://127.0.0.1:9 => --workers
 map planar.yaml -o s.zarr --plot a.txt => has the ending of another kind of file
 move scara-pick => 'scara-pick' is neither a file nor a built-in plan; allowed: a path, or a name
 move scara-pick-and-plce => did you mean 'scara-pick-and-place'?
+move plan.yaml --csv a.csv => plan.yaml:3:11: the arm does not reach the way
 move scara-pick-and-place --format latex
 move scara-pick-and-place --show --json => --show with --json
 move scara-pick-and-place --csv - --json => --csv - with another output
