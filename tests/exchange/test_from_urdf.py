@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from derive.errors import RobotFileError
-from derive.exchange.arm import arm_of, moving_tips
+from derive.exchange.arm import arm_of
 from derive.exchange.certificate import certify
 from derive.exchange.common_normals import place
 from derive.exchange.formats import exported
@@ -30,19 +30,6 @@ SNAP = Fraction(1, 10**6)
 
 def read(*joints: J) -> Urdf:
     return read_urdf(urdf(joints).encode(), "arm.urdf")
-
-
-def test_several_tips_are_listed_and_fixed_joints_folded() -> None:
-    tree = read(J(link="left"), J(link="right", parent="l0"))
-    assert moving_tips(tree) == ("left", "right")
-    with exactly(), pytest.raises(RobotFileError, match="left, right"):
-        arm_of(tree, None, None, SNAP)
-    with exactly():
-        arm = arm_of(read(J("0 0 1", HALF + " 0 0", type="fixed"), J("0 0 1")), None, None, SNAP)
-    assert len(arm.axes) == 1
-    line = arm.axes[0].line
-    assert [float(c) for c in line.point] == [0, -1, 1]
-    assert [float(c) for c in line.direction] == [0, -1, 0]
 
 
 @pytest.mark.parametrize(

@@ -103,10 +103,3 @@ def test_random_bytes_are_refused_in_one_line(data: bytes) -> None:
     assert isinstance(result, str)
     assert result.startswith("x.yaml:")
     assert result.isprintable()
-
-
-@pytest.mark.parametrize("ending", ["\n", "\r\n"])
-def test_line_endings_do_not_matter(ending: str) -> None:
-    for text in TEXTS:
-        result = answer(text.replace("\n", ending).encode())
-        assert isinstance(result, Robot)

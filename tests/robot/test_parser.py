@@ -29,7 +29,7 @@ from derive.robot.expression import (
     power,
     to_text,
 )
-from derive.robot.parser import FORMULA_FUNCTIONS, parse_expression
+from derive.robot.parser import parse_expression
 from tests.refusals import one_message
 
 START = Location("cell", 7, 11)
@@ -196,9 +196,3 @@ def test_any_text_is_parsed_or_refused_with_a_place(text: str) -> None:
         place = START
         assert parse(to_text(tree)) == tree
     assert place.line >= START.line
-
-
-def test_printed_formulas_may_use_atan2() -> None:
-    tree = parse_expression("atan2(y, x)", START, FORMULA_FUNCTIONS)
-    assert tree == Call("atan2", (Y, X))
-    assert parse_expression(to_text(tree), START, FORMULA_FUNCTIONS) == tree

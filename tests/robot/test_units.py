@@ -86,11 +86,6 @@ def test_translations_of_frames_and_centres_of_mass_are_lengths_and_all_else_is_
     assert value(loaded.gravity[0]) == pytest.approx(4.905)
 
 
-def test_in_radians_and_metres_nothing_changes() -> None:
-    joint = robot("{type: revolute, theta: q1 + 2, a: 3*(x + 1), alpha: pi/3}", "rad", "m").joints[0]
-    assert [to_text(cell) for cell in (joint.theta, joint.a, joint.alpha)] == ["2", "3*(x + 1)", "pi/3"]
-
-
 def cell(text: str) -> Expression:
     return parse_expression(text, Location("arm.yaml"))
 

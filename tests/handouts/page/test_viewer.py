@@ -47,10 +47,6 @@ def test_any_robot_gets_a_figure_that_starts_within_its_limits(seed: int) -> Non
         assert travel.lower < travel.upper
 
 
-def test_the_same_robot_gives_the_same_figure() -> None:
-    assert figure(Robot.load("thumb")) == figure(Robot.load("thumb"))
-
-
 def test_the_bundle_is_small_and_no_script_ends_its_element() -> None:
     assert len(three()) <= BUNDLE_BUDGET
     assert not re.search(r"</script|<!--", three(), re.IGNORECASE)
