@@ -6,7 +6,7 @@ import pytest
 
 import derive
 from derive.api.build import build, stale, verify
-from derive.errors import OutputError, VerificationError
+from derive.errors import VerificationError
 
 ARM = "name: arm\nconvention: standard\njoints:\n  - {type: revolute, a: a1}\n"
 
@@ -26,8 +26,3 @@ def test_a_robot_is_built_verified_and_current(tmp_path: Path) -> None:
     (tmp_path / "arm.yaml").write_text(ARM.replace("a: a1", "d: a1"))
     with pytest.raises(VerificationError, match=r"built from another robot file than .*; run: derive build"):
         verify(tmp_path / "arm.yaml", out, samples=3)
-
-
-def test_what_is_wrong_is_said(tmp_path: Path) -> None:
-    with pytest.raises(OutputError, match="derive build thumb"):
-        verify("thumb", tmp_path)

@@ -15,6 +15,10 @@ RUN, SOLVER = "from derive.cli.main import main; main", "derive.inverse.closed.s
 UNNEEDED = {
     "import derive": "sympy numpy casadi flint pydantic yaml jinja2 derive.robot derive.model",
     "import derive.api.build": "sympy numpy casadi flint pydantic jinja2 derive.programs.build",
+    "import derive, tempfile\nwith tempfile.TemporaryDirectory() as out: "
+    "derive.build('scara-perugia', out, targets=['numpy'], only=True, effort='quick')": (
+        "dask distributed zarr xarray pyarrow pandas"
+    ),
     "import derive.programs.inverse": "sympy casadi pydantic",
     f"{RUN}(['show', 'puma560-usp', 'p', '--format', 'latex'])": f"numpy casadi pydantic jinja2 {SOLVER}",
     f"{RUN}(['move', 'scara-pick-and-place'])": f"casadi pydantic numpy.ma scipy {SOLVER} derive.model.kinematic_model",

@@ -2,14 +2,12 @@
 
 import time
 from functools import partial
-from pathlib import Path
 
 import pytest
 
 from derive.errors import DeriveError
 from derive.sampling import clusters
 from derive.sampling.clusters import cluster
-from tests.interpreters import printed_by
 
 
 def times(block: int, factor: int) -> int:
@@ -43,13 +41,3 @@ def test_a_scheduler_that_does_not_answer_is_told_within_seconds_and_what_follow
     with pytest.raises(ValueError, match="No client"):
         distributed.default_client()
     assert dask.config.get("scheduler", None) is None
-
-
-def test_the_core_imports_nothing_of_what_data_need(tmp_path: Path) -> None:
-    """Neither ``import derive`` nor a build, which verifies."""
-    script = (
-        "import sys, derive\n"
-        f"derive.build('scara-perugia', {str(tmp_path)!r}, targets=['numpy'], only=True, effort='quick')\n"
-        "print({'dask', 'distributed', 'zarr', 'xarray', 'pyarrow', 'pandas'} & set(sys.modules))"
-    )
-    assert printed_by(script) == "set()"
