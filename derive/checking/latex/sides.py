@@ -8,10 +8,10 @@ from functools import cached_property, reduce
 from itertools import chain, pairwise
 from operator import mul
 
+from derive.checking.any_row import ANY_ROW, misprints
 from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
-from derive.checking.latex.any_row import ANY_ROW, misprints
 from derive.checking.latex.comparing import ANY, Comparing, Side
 from derive.checking.latex.conditions import ways
 from derive.checking.latex.equations import Sides, listed

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from derive.checking.latex.any_row import misprints
+from derive.checking.any_row import misprints
 from derive.checking.latex.matrices import Entry, Table
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.model.model import Model
