@@ -3,6 +3,7 @@ r"""The transform of any row of the table, with letters: ``A_i = [...]`` by thet
 import re
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from fractions import Fraction
 from itertools import permutations
 from math import cos, sin
 
@@ -12,8 +13,10 @@ from derive.arrays import Array
 from derive.checking.formulas.edits import NO_VALUE, float_value
 from derive.checking.latex.matrices import Table
 from derive.checking.latex.meanings import ALIKE
-from derive.robot.description import Convention
-from derive.robot.expression import is_constant
+from derive.inverse.numeric.chain import NumericChain
+from derive.robot.description import Convention, Joint, JointType
+from derive.robot.expression import ZERO, is_constant, number
+from derive.robot.robot import Robot
 
 # theta_i, alpha_{i-1} and the name c_{\theta_i} of a cosine; any other letter is a length, such as a_i, r_n and d.
 _LETTER = re.compile(
@@ -55,18 +58,9 @@ def _ways(letters: Sequence[str], convention: Convention, size: int) -> Iterator
     functions = {letter: (matches[letter]["function"] or "").lower() for letter in turned}
     values = {f"?{letter}": of_function[functions[letter]](_ANGLES[angle]) for letter, angle in turned.items()}
     values |= {f"?{letter}": _LENGTHS[lengths.index(matches[letter]["length"])] for letter in matches.keys() - turned}
-    turn, twist = _turned(angles["t"], 0, 1), _turned(angles.get("a", 0.0), 1, 2)
     # Khalil's d is our a, his r our d
-    for along_x, along_z in permutations([*_LENGTHS[: len(lengths)], 0.0, 0.0][:2]):
-        shift_x, shift_z = np.eye(4), np.eye(4)
-        shift_x[0, 3], shift_z[2, 3] = along_x, along_z
-        standard = turn @ shift_z @ shift_x @ twist
-        yield values, standard if convention is Convention.STANDARD else twist @ shift_x @ turn @ shift_z
-
-
-def _turned(angle: float, i: int, j: int) -> Array:
-    """A turn from axis i to axis j, counted from 0."""
-    found = np.eye(4)
-    found[i, i] = found[j, j] = cos(angle)
-    found[j, i], found[i, j] = sin(angle), -sin(angle)
-    return found
+    for a, d in permutations([*_LENGTHS[: len(lengths)], 0.0, 0.0][:2]):
+        along_z, along_x, twist = (number(Fraction(repr(x))) for x in (d, a, angles.get("a", 0.0)))
+        joint = Joint(JointType.REVOLUTE, "q", 1, ZERO, along_z, along_x, twist)
+        row = Robot("row", "", convention, (joint,))
+        yield values, NumericChain.of(row).pose_and_jacobian(np.array([angles["t"]]))[0]

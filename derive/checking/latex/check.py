@@ -300,7 +300,7 @@ class _Check(SideReading):
     def _defined(self) -> Iterator[Finding | Claim]:
         """Points and energies of links, which other formulas take as they are defined here."""
         moving = self.rates.union(name for cell in self.robot.gravity or () for name in names(cell))
-        known = ""  # letters of energies of links of which one is right
+        known = set[str]()  # letters of energies of links of which one is right
         for name, _, meaning, side in self.scope.defined():
             if (left := taken_apart(side.text)) is None:
                 continue
@@ -326,7 +326,7 @@ class _Check(SideReading):
             elif (found := next(self._entries(right, table, side.start))).verdict.equal or (
                 left.head in known and (repair := judge(found).repair) and {*PAIRED}.issuperset(repair.kinds)
             ):  # a slip, as the energy of another link is right
-                known += left.head * found.verdict.equal
+                known |= {left.head} if found.verdict.equal else set()
                 yield found
             else:
                 self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")
@@ -425,7 +425,7 @@ class _Check(SideReading):
                     continue
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if self.document:
-                    findings = at_home(self.robot, table, findings)
+                    findings = at_home(self.robot, self._moving, table, findings)
                     findings = at_stated_numbers(self.robot, self.conditions, findings)
                 if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)

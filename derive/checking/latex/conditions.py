@@ -9,6 +9,7 @@ import re
 from bisect import bisect_right
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import groupby
@@ -22,7 +23,6 @@ from derive.model.equality import Verdict, compare
 from derive.robot import expression as tree
 from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Call, Expression, Name, Number, Pi, Product, Sum
-from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 
 NEAR = 0.5  # more than this part of its names and functions a near formula shares with ours, or with what repairs it
@@ -117,16 +117,14 @@ def _combined(holding: Sequence[tuple[Condition, bool]], known: set[str]) -> Ite
     yield from ((c.text, way, is_near) for c, is_near in reversed(holding) for way in c.ways)
 
 
-def at_home(robot: Robot, table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+def at_home(robot: Robot, moving: AbstractSet[str], table: Table, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
     """Of a matrix in which nothing moves: whether it is right where all joint variables are zero."""
     wrong = {f: f.question for f in findings if not f.verdict.equal}
-    joints = [joint.variable for joint in robot.movers]
-    moving = {name for q in joints for name in (q, velocity_name(q), acceleration_name(q))}
     is_still = moving.isdisjoint(name for entry in table.entries for name in tree.names(entry.formula))
     is_place = all(f.quantity[:1] in "TAp" or f.quantity in ("base", "tool") for f in findings)
     if not (is_place and is_still and wrong) or table.shape == (1, 1):
         return findings
-    zero = dict.fromkeys(joints, tree.ZERO)
+    zero = dict.fromkeys((joint.variable for joint in robot.movers), tree.ZERO)
     pairs = [(tree.substitute(q.right, zero), q.printed) for q in wrong.values() if q is not None]
     if len(pairs) < len(wrong) or not all(compare(robot, *pair).equal for pair in pairs):
         return findings
@@ -140,7 +138,10 @@ def at_stated_numbers(
 ) -> tuple[Finding, ...]:
     """Findings of which printed numbers are right with the file's numbers and a configuration that the text states."""
     wrong = {f: f.question for f in findings if not f.verdict.equal}
-    if not wrong or not all(q and tree.is_constant(q.printed) for q in wrong.values()):
+    printed = [f.question.printed if f.question else None for f in findings]
+    # a zero among formulas, or alone, is meant in general: that it holds somewhere makes no slip right
+    are_numbers = all(e is not None and tree.is_constant(e) for e in printed)
+    if not wrong or not are_numbers or all(e == tree.ZERO for e in printed):
         return findings
     line = findings[0].location.line or 0
     stated = [(f" where {c.text}", way) for c in conditions if c.line <= line <= c.line + REACH for way in c.ways]

@@ -139,8 +139,8 @@ _SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our ow
 _SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
 _SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
 # Macros of brackets, and roots with an empty degree.
-_SIGNS = {"\\langle": "(", "\\rangle": ")", "\\lbrack": "[", "\\rbrack": "]", "\\sqrt[]": "\\sqrt"}
-_MACRO = re.compile("|".join(map(re.escape, _SIGNS)))
+_PLAIN_SIGNS = {"\\langle": "(", "\\rangle": ")", "\\lbrack": "[", "\\rbrack": "]", "\\sqrt[]": "\\sqrt"}
+_MACRO = re.compile("|".join(map(re.escape, _PLAIN_SIGNS)))
 _DOT_WORD = re.compile(r"\\(?:textrm|mathrm|text)\{(?P<letter>[a-z])dot\}")  # \textrm{qdot}_1, a rate
 _PLAIN = {ord(sign): same for sign, same in _SAME.items()}
 
@@ -155,7 +155,7 @@ def cleaned(text: str, time: bool = True) -> str:
     text = text.replace("\\wedge ", "\\times ").replace("\\dot{}", "\\cdot ").replace("\\&", " ,")
     text = _SCRIPT_L.sub(lambda m: "L".rjust(len(m[0])), text).replace("\\dot{\\partial}", "\\partial\\dot ")
     text = _DEPENDENT.sub(lambda m: m["kept"].ljust(len(m[0])), _SOLUTION.sub(_of_solution, text))
-    text = _MACRO.sub(lambda m: _SIGNS[m[0]].rjust(len(m[0])), text)
+    text = _MACRO.sub(lambda m: _PLAIN_SIGNS[m[0]].rjust(len(m[0])), text)
     text = re.sub(r"\{([-+=])\}", r" \1 ", text)  # an operator in braces
     text = re.sub(r"(\\(?:var)?theta) ([1-9])(?![0-9.])", r"\1_\2", text)  # a name, not a product
     text = re.sub(r"(?<=[0-9}])\[([RTA])\]", r"  \1", text)  # ^0_3[R]
