@@ -89,6 +89,7 @@ class _Traced:
     columns: tuple[Column, ...]
     formulations: tuple[Formulation, ...]
     interface: Interface
+    size: int  # operations among which is searched
 
     @classmethod
     def of(cls, row: FunctionRow, trace: Trace, end: str = "") -> _Traced:
@@ -107,13 +108,8 @@ class _Traced:
             if not row.may_lack_value:
                 raise
             formulations = ()
-        return cls(row, trace, columns, formulations, interface)
-
-    @property
-    def size(self) -> int:
-        """Operations among which is searched."""
-        graph, weight = self.trace.graph, 4 if self.row.search else 1
-        return weight * sum(program_cost(graph, [v.ref for v in f.trace()]).nodes for f in self.formulations)
+        nodes = sum(program_cost(trace.graph, [v.ref for v in f.trace()]).nodes for f in formulations)
+        return cls(row, trace, columns, formulations, interface, (4 if row.search else 1) * nodes)
 
     def result(self) -> Function | None:
         """The function with its tape; None for an optional one without a value in any configuration."""
