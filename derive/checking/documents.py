@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from derive.checking.latex.typography import Spelled, blank, from_plain_text, spelled, without_comments
+from derive.checking.latex.typography import Spelled, blank, spelled, without_comments
+from derive.checking.plain_text import CODE, LISTED, ROWS, from_plain_text, is_equation
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {".tex": "LaTeX", ".md": "Markdown", ".rst": "reStructuredText", ".markdown": "Markdown"}
@@ -170,11 +171,6 @@ _UNREAD = re.compile(
     r"\\begin\{(comment|verbatim\*?|lstlisting|minted)\}.*?\\end\{\1\}|\\iffalse\b.*?\\fi\b|\\verb\*?([^\w\s]).*?\2",
     re.DOTALL,
 )
-# Equations in a fence, one in each line, with nothing that programs alone have.
-_LISTED = re.compile(
-    r"(?:[ \t]*(?:(?:[A-Za-z\u0370-\u03ff][\w'\u2080-\u2089]{0,12}|(?:cos|sin)\(\w+\))[ \t]*"
-    r"=(?!=)(?:[^=\n#;:\"`.\[]|(?<=\d)\.(?=\d))+)?\n)+"
-)
 _OF_CODE = ("{code", "{literalinclude", "{image", "{eval", "{bibliography", "{toctree", "{raw")
 # An equation in two formulas, $a$ = $b$ or **$a =$** $b$, or in a list with a colon, $\theta_5$: $\arccos(r_{33})$.
 _PARTED = re.compile(
@@ -206,7 +202,9 @@ def _markdown(text: str) -> str:
         is_prose = language.startswith("{") and not language.startswith(_OF_CODE)  # in a box, as MyST has them
         if language in ("latex", "tex") or is_prose:
             return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
-        if match["fence"] and language in ("", "text") and _LISTED.fullmatch(match["body"]):
+        if match["inline"] and is_equation(match["inline"]):
+            return f"{CODE}{match['inline']}{CODE}"
+        if match["fence"] and language in ("", "text") and LISTED.fullmatch(ROWS.sub("M", match["body"])):
             return blank(match[0][:begin]) + match["body"] + blank(match[0][end:])
         return blank(match[0])
 

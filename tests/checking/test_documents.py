@@ -17,8 +17,9 @@ from hypothesis import strategies as st
 from derive import Model, Robot
 from derive.checking.documents import MAX_DEPTH, Manuscript, document_of, expanded, read_document
 from derive.checking.files import formula_printout
-from derive.checking.latex.typography import from_plain_text, spelled
+from derive.checking.latex.typography import spelled
 from derive.checking.page import verdict_page
+from derive.checking.plain_text import from_plain_text
 from derive.checking.table import robot_of_table
 from derive.cli.main import main
 from derive.errors import CheckError

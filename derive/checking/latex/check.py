@@ -382,7 +382,7 @@ class _Check(SideReading):
             raise first.error
         if said and isinstance(said[-1].value, Table) and self._is_configuration(first, said[-1].value):
             raise self._refused(first.piece, "a configuration, joint by joint")
-        if said and said[-1].value == ZERO and any(t.quantity == "g" for side in named for t in side.targets):
+        if said and said[-1].value == ZERO and any(t == Target("g") for side in named for t in side.targets):
             weightless = {name: ZERO for cell in self.robot.gravity or () for name in names(cell)}
             self._states(first.piece, f"{self._typed(first.piece)} = 0", (weightless,))
         chains = [side for side, _ in judged]
@@ -426,7 +426,7 @@ class _Check(SideReading):
                 findings = tuple(self._compared(name, table, side.piece.start))
                 if self.document:
                     findings = at_home(self.robot, self._moving, table, findings)
-                    findings = at_stated_numbers(self.robot, self.conditions, findings)
+                    findings = at_stated_numbers(self.robot, self.conditions, findings, is_later and not moving)
                 if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)
                     is_rough = is_later and self.document and _NEARLY.search(self.text, max(start - 1500, 0), start)

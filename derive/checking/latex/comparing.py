@@ -11,7 +11,7 @@ from derive.checking.formulas.branches import SIGN
 from derive.checking.formulas.diagnosis import Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
-from derive.checking.latex.conditions import DECIMALS, DIGITS, Condition, Values, ways
+from derive.checking.latex.conditions import DECIMALS, DIGITS, ROUGHLY, Condition, Values, ways
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import Right
@@ -31,8 +31,7 @@ from derive.robot.names import acceleration_name, own_names, velocity_name
 ANY = frozenset("fFhkKuvwQeVLWS")  # letters for anything: they contradict no quantity that is asked about
 VAGUE = 0.6  # part of the entries that must be right for a letter without indices to name a matrix
 MOVING = 6  # entries with symbols of a matrix that is not one step, as a turn about an axis is
-ROUGHLY = 0.02  # relative difference that rounding on the way may explain
-_AXES_UNSAID = frozenset("pPrdovVJj")  # letters of what may be seen from any frame, whatever is usual
+_AXES_UNSAID = frozenset("pPrdovVJjxX")  # letters of what may be seen from any frame, whatever is usual
 _VELOCITY = re.compile(r"\\dot\s*\{?\s*(?:p_\{?\s*)?[xyz](?![A-Za-z])|(?<![A-Za-z\\])[vV]_\{?\s*[xyz]")
 _ARROW = re.compile(r"[\s.,$]*\\(?:implies|iff|Rightarrow|Longrightarrow|Leftrightarrow)(?![A-Za-z])")
 

@@ -30,6 +30,7 @@ AMONG = 3  # right formulas of a kind for each one that is far from ours, which 
 _FAR = "as {} it would be wrong in more than one place, and so would most of its kind: it may mean something else"
 _SIDES_DIFFER = "its sides differ in more than one place, as too many here do: a name may mean something else"
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
+ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 REACH = 25  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 
@@ -62,6 +63,9 @@ _HALF_TURNS |= {("cos", 0): ("1/2", "-1/2"), ("cos", 1): ("0",), ("cos", -1): ("
 def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
     """What fulfils an equation between names and numbers, of products, or of a sine or cosine; none of other ones."""
     symbols, constants = [e for e in sides if isinstance(e, Name)], [e for e in sides if tree.is_constant(e)]
+    with suppress(*NO_VALUE):  # theta_1 = pi/4 (1 - cos(pi/2)) = pi/4
+        numbers = [float_value(e, {}) for e in constants]
+        constants = constants[-1:] if max(numbers, default=0) - min(numbers, default=0) < 1e-3 else constants
     match sides:
         case [Name(name), formula] if not isinstance(formula, Name) and name not in tree.names(formula):
             return ({name: formula},)
@@ -73,7 +77,7 @@ def ways(sides: Sequence[Expression]) -> tuple[Values, ...]:
             return ({last.name: tree.add(value, *map(tree.negate, first))},)
     if len(sides) == 2 and not constants and len(symbols) < 2:
         return tuple(_of_products(*(side.factors if isinstance(side, Product) else (side,) for side in sides)))
-    if len(symbols) + len(constants) < len(sides) or len(constants) > 1 or not symbols:
+    if not all(isinstance(e, Name) or tree.is_constant(e) for e in sides) or len(constants) > 1 or not symbols:
         return ()
     return tuple({symbol.name: value for symbol in symbols if symbol != value} for value in constants or symbols)
 
@@ -134,22 +138,24 @@ def at_home(robot: Robot, moving: AbstractSet[str], table: Table, findings: tupl
 
 
 def at_stated_numbers(
-    robot: Robot, conditions: Sequence[Condition], findings: tuple[Finding, ...]
+    robot: Robot, conditions: Sequence[Condition], findings: tuple[Finding, ...], is_example: bool
 ) -> tuple[Finding, ...]:
     """Findings of which printed numbers are right with the file's numbers and a configuration that the text states."""
     wrong = {f: f.question for f in findings if not f.verdict.equal}
     printed = [f.question.printed if f.question else None for f in findings]
     # a zero among formulas, or alone, is meant in general: that it holds somewhere makes no slip right
-    are_numbers = all(e is not None and tree.is_constant(e) for e in printed)
-    if not wrong or not are_numbers or all(e == tree.ZERO for e in printed):
+    is_example |= any(e != tree.ZERO or f.text != "0" for e, f in zip(printed, findings, strict=True))
+    if not (wrong and is_example and all(e is not None and tree.is_constant(e) for e in printed)):
         return findings
     line = findings[0].location.line or 0
-    stated = [(f" where {c.text}", way) for c in conditions if c.line <= line <= c.line + REACH for way in c.ways]
-    together = {name: value for _, way in stated for name, value in way.items()}
-    for where, way in [("", {}), (" and the text", together), *reversed(stated)]:
+    earlier = [c for c in conditions if c.line <= line]
+    stated = [(f" where {c.text}", way) for c in earlier if line <= c.line + REACH for way in c.ways]
+    together = {name: value for c in earlier for way in c.ways for name, value in way.items()}
+    file = {name: float(value) for name, value in parameter_values(robot).items()}
+    moving = {name: value for name, value in together.items() if name not in file}
+    for where, way in [("", {}), (" and the text", moving), (" and the text", together), *reversed(stated)]:
         with suppress(*NO_VALUE):
-            values = {name: float(value) for name, value in parameter_values(robot).items()}
-            values |= {name: float_value(value, values) for name, value in way.items()}
+            values = file | {name: float_value(value, file) for name, value in way.items()}
             if all(_rounds_to(float_value(q.right, values), q.printed, f.text) for f, q in wrong.items() if q):
                 note = f", with the numbers of the file{where}"
                 mended = {f: replace(f, verdict=Verdict(True, False), note=note, question=None) for f in wrong}
@@ -158,10 +164,12 @@ def at_stated_numbers(
 
 
 def _rounds_to(value: float, printed: Expression, text: str) -> bool:
-    """Whether a printed number is a value, to a few units of its last digit."""
-    places = [len(digits) for digits in DECIMALS.findall(text)]
-    gap = abs(value - float_value(printed, {}))
-    return gap <= (DIGITS * 10.0 ** -min(places) if places else 1e-9 * (1 + abs(value)))
+    """Whether a number is a value, to a few units of its last digit, and a formula of rounded ones nearly so."""
+    gap, places = abs(value - float_value(printed, {})), [len(digits) for digits in DECIMALS.findall(text)]
+    if places and isinstance(printed, Number):
+        digit = 10.0 ** -min(places)
+        return gap <= max(digit, min(DIGITS * digit, ROUGHLY * abs(value)))
+    return gap <= (ROUGHLY / 4 * abs(value) if places else 0) + 1e-9 * (1 + abs(value))
 
 
 def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tuple[Finding, ...], tuple[Skipped, ...]]:

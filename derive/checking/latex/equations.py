@@ -113,7 +113,9 @@ def _continued(plain: str, fences: list[tuple[int, int]]) -> list[tuple[int, int
         match = _CONTINUING.match(plain, begin, end)
         if found and match is not None and not plain[found[-1][1] : begin].strip():
             sign, has_relation = match["sign"], RELATION.search(plain, begin, end) is not None
-            if sign == "=" or (RELATION.search(plain, *found[-1]) and (sign == "+" or not has_relation)):
+            in_prose = re.match(r"[ \t]*[^\W\d_]", plain[end:])  # which speaks of a term
+            is_sum = RELATION.search(plain, *found[-1]) and not in_prose and (sign == "+" or not has_relation)
+            if sign == "=" or is_sum:
                 begin, _ = found.pop()
         found.append((begin, end))
     return found
@@ -180,6 +182,8 @@ def _unbracketed(text: str) -> str:
 def alternatives(sides: Sides) -> Iterator[Sides]:
     """One equation for each row of alternatives with conditions, and for each pair of ``(x, y) = (a, b)``."""
     *_, last = sides
+    if [side.text.strip() for side in sides[:-1]] == [last.text.strip().removeprefix("-")] and "-" in last.text:
+        return  # X = -X, what a general formula has in the place of X
     if last.text.strip() == MATRIX_MARK and last.matrices[0].is_cases and len(sides) > 1:
         for cell, *_ in last.matrices[0].rows:
             yield (*sides[:-1], cell.part(0, len(_without_end(cell.text))))

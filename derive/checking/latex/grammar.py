@@ -108,6 +108,8 @@ class FormulaBuilder:
                 return _Digits(tree.number(above / below), token.start_pos or 0)
             case "number", (token,):
                 return _Digits(_number(token), token.start_pos or 0)
+            case "round", (value,):
+                return value.value if isinstance(value, _Digits) else value  # 2(9.81) is a product
             case "exponent_digit", (token,):
                 return tree.number({"²": "2", "³": "3"}.get(token[-1], token[-1]))
             case "number_power", (token, exponent):

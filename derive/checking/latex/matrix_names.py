@@ -169,7 +169,7 @@ class MatrixNames:
         meaning = known.meaning(Symbol(left.flat, 0)) if known.knows(left.flat) else None
         is_rate = left.dots and isinstance(meaning, Name) and replace(left, dots=0, sup="").is_plain
         is_vector = meaning is None or left.head == "omega" or names_of_pose(meaning)
-        if is_rate or (left.is_plain and not is_vector):
+        if is_rate or (left.is_plain and not (is_vector or left.arguments)):
             return []
         return list(dict.fromkeys(table for target in self._meanings.targets(left) for table in self._of(target)))
 

@@ -12,7 +12,7 @@ from derive.errors import CheckError
 from derive.lecture.shorthand import resolve_tokens
 from derive.robot import tree
 from derive.robot.description import Convention
-from derive.robot.expression import ZERO, Call, Expression, Name, Pi, Sum, add, is_constant, negate
+from derive.robot.expression import ZERO, Call, Expression, Name, Pi, Sum, add, is_constant, names, negate
 from derive.robot.names import acceleration_name, joint_labels, own_names, velocity_name
 from derive.robot.robot import Robot
 
@@ -125,8 +125,10 @@ class LatexNames:
         match = re.fullmatch("(d|a|alpha)([1-9])", text)
         if match is None or self.signs is None or not tree.is_row_by_row(self.robot):
             return None
-        # a_1 and alpha_1 are those of the row behind it in modified tables; some authors count them as the row itself
-        row, is_late = int(match[2]) - 1, self.robot.convention is Convention.MODIFIED and match[1] != "d"
+        # a_1 and alpha_1 are those of the row behind it in modified tables, but not where its length is d_1 (Khalil)
+        is_khalils = any(name[0] == "d" for joint in self.robot.joints for name in names(joint.a))
+        is_late = self.robot.convention is Convention.MODIFIED and match[1] != "d" and not is_khalils
+        row = int(match[2]) - 1
         rows = [*self.robot.joints, *self.robot.fixed]
         cells = [getattr(one, match[1]) for one in (rows[row + is_late : row + is_late + 1] + rows[row : row + 1])]
         return next((cell for cell in cells if cell != ZERO and is_constant(cell)), None)

@@ -110,10 +110,15 @@ class Poses:
     """The names of a pose in one text."""
 
     def __init__(
-        self, model: Model, text: str, columns: Mapping[str, int], letters: AbstractSet[str] = frozenset()
+        self,
+        model: Model,
+        text: str,
+        columns: Mapping[str, int],
+        letters: AbstractSet[str] = frozenset(),
+        matrices: AbstractSet[str] = frozenset(),  # names of matrices, which are no entries: T_{21} = [...]
     ) -> None:
         self._letters = "|".join(letters)  # of entries, the author's own
-        words = list(printed_words(text))
+        words = [word for word in printed_words(text) if word not in matrices]
         found = PoseNames.of(model.robot, words, any_wrist=model.n > WRIST)
         named = {word: re.fullmatch("([a-z])_?([xyz])", word) for word in words}
         own = {w: ("xyz".index(m[2]) + 1, columns[m[1]]) for w, m in named.items() if m and m[1] in columns}

@@ -9,6 +9,7 @@ from fractions import Fraction
 from functools import cached_property, partial
 from itertools import chain, islice, product
 
+from derive.checking.chains import chained, factors
 from derive.checking.inverse.reading import printed_words
 from derive.checking.latex import whole
 from derive.checking.latex.equations import Sides, alternatives, equations
@@ -77,7 +78,8 @@ class Scope:
         self.meanings.has_turns = _TURNS.match(plain) is not None
         self.meanings.columns = columns = whole.named_columns(self.equations) if document else {}
         has_one_end = document and len(self.robot.ends) < 2  # of several, a pose without a name is none's
-        self.poses = Poses(model, plain, columns, whole.entry_letters(self.equations)) if has_one_end else None
+        letters, matrices = whole.entry_letters(self.equations), whole.transforms(self.equations)
+        self.poses = Poses(model, plain, columns, letters, matrices) if has_one_end else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = [left for e in self.equations for s in e if not s.matrices and (left := taken_apart(s.text))]
@@ -265,12 +267,12 @@ class Scope:
     def _vote_by_products(self, votes: Counter[Scripts], seen: Counter[Scripts]) -> None:
         """A product of transforms is a chain in one order of the frames only."""
         usual = self.meanings.reading
-        products = (whole.factors(side.text) for e in self.equations for side in e if not side.matrices)
+        products = (factors(side.text) for e in self.equations for side in e if not side.matrices)
         for lefts in filter(None, products):
             scripts, *others = {left.scripts for left in lefts}
             if others or scripts is None:
                 continue
-            fits = [whole.chained(self.meanings, lefts) is not None for self.meanings.reading in _READINGS]
+            fits = [chained(self.meanings, lefts) is not None for self.meanings.reading in _READINGS]
             votes[scripts] += fits[1] - fits[0]
             seen[scripts] += fits[1] != fits[0]
         self.meanings.reading = usual
@@ -291,7 +293,7 @@ class Scope:
         self.names: set[tuple[int, int]] = set()
         self._of_links = whole.renamed(self.equations, self.plain) if self.document else {}  # and of joints
         self._circles: dict[str, dict[str, Expression]] = {}  # sine and cosine of angles that the text gives both of
-        several = [(i, e) for i, e in enumerate(self.equations) if e[1:] and not any(whole.factors(s.text) for s in e)]
+        several = [(i, e) for i, e in enumerate(self.equations) if e[1:] and not any(factors(s.text) for s in e)]
         named = [(i, e, tuple(self._new_name(side, i, side is e[0]) for side in e)) for i, e in several]
         # what names a quantity by a name, such as b_{22} = p_1, defines that name only where nothing else does
         waiting = sorted((some for some in named if any(some[2])), key=lambda some: self._quantities(*some[1:]))

@@ -4,11 +4,12 @@ import re
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
-from functools import cached_property, reduce
+from functools import cached_property, partial, reduce
 from itertools import chain, pairwise
 from operator import mul
 
 from derive.checking.any_row import ANY_ROW, misprints
+from derive.checking.chains import between, chained, factors, frames_of, has_all_exponentials
 from derive.checking.formulas.diagnosis import PAIRED, Question, Repair
 from derive.checking.formulas.edits import SlipKind
 from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge
@@ -23,7 +24,7 @@ from derive.checking.latex.pieces import AROUND, MATRIX_MARK, LatexPiece
 from derive.checking.latex.poses import names_of_pose
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.targets import Target, is_scalar
-from derive.checking.latex.whole import between, chained, factors, frames_of, has_all_exponentials, is_no_claim
+from derive.checking.latex.whole import is_no_claim
 from derive.errors import CheckError, UnknownNameError, quoted
 from derive.lecture.sympy_conversion import expression_from_sympy, expression_to_sympy
 from derive.model.equality import Verdict, compare
@@ -33,9 +34,7 @@ from derive.robot.expression import ZERO, Expression, Name, Number, add, is_cons
 _PLAIN = re.compile(r"\\(?:mathbf|boldsymbol|bm|vec|mathrm)(?![A-Za-z])|[{}]")
 _SPAN = re.compile(r"[pPoO]_?([0-9en])-[pPoO]_?([0-9])")  # p_3 - p_0
 _MARKUP = re.compile(r"\\(?:math[a-z]+|boldsymbol|bm|vec)|[\s{}()\[\]]")
-_LAGRANGE = re.compile(
-    r"\\dot\\[dt]?frac\\partial(\w)\\partial\\dotq-\\[dt]?frac\\partial\1\\partialq"
-)  # of all joints
+_LAGRANGE = re.compile(r"\\dot\\[dt]?frac\\partial(\w)\\partial\\dotq-\\[dt]?frac\\partial\1\\partialq")
 _SINGULAR = re.compile(
     r"(?i)\\det\b|sing[uo]la|\u5947[\u5f02\u7570]|\u7279\u7570|\ud2b9\uc774|\u043e\u0441\u043e\u0431"
 )
@@ -86,10 +85,9 @@ class SideReading(Comparing):
         if not (side.error or is_open) or side.left is not None or not self.document:
             return None  # a lone name says nothing about what it stands for
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
-        tables = [other.value for other in said if isinstance(other.value, Table)]
-        if self.scope.poses:  # [x y z]^T = R p + t
-            pose = self.scope.poses.readings[0].values
-            tables += [table.changed(lambda e: substitute(e, pose)) for table in tables]
+        printed = [other.value for other in said if isinstance(other.value, Table)]
+        poses = self.scope.poses.readings if self.scope.poses else []  # [x y z]^T = R p + t
+        tables = printed + [t.changed(partial(substitute, values=pose.values)) for pose in poses for t in printed]
         found = self._matrices.values(side.piece)
         with suppress(CheckError):  # entries of an inertia tensor that drop out
             found = chain(self._with_letters(0, (side.piece,), {}, "I.+")[0], found)

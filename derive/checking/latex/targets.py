@@ -129,6 +129,8 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
         quantities = ("Bdot",) if is_rate else (product,) if product else ()
     if left.head in "BHV" and "dot" in left.arguments:  # B(q, qd), the torques of velocities
         quantities = (*quantities, "Cqd")
+    if left.head in "Ff" and "dot" in left.arguments:
+        quantities = (*quantities, "friction")
     for quantity in quantities:
         is_vector = quantity in _VECTORS
         if not left.sub:

@@ -57,6 +57,7 @@ _RATE = re.compile(
     rf"\\[dtc]?frac\s*\{{\s*{_D}(?P<second>{_SQUARE})?(?P<what>(?:[^{{}}]|{_GROUP})*)\}}\s*\{{\s*{_D}\s*t(?:{_SQUARE})?\s*\}}"
 )
 _OF_TIME = re.compile(r"(?P<primes>'{0,2})(?P<space>\s*)(?:\{\s*\(\s*t\s*\)\s*\}|\(\s*t\s*\))")
+_AT_A_TIME = re.compile(r"((?:\\(?:var)?theta|(?<![A-Za-z\\])q)\}?_\{?[0-9]\}?)\(\s*[0-9.]+\s*\)")  # \theta_1(2.5)
 _FONT = re.compile(
     r"\\(?:operatorname\*?|mathrm|mathit|mathbf|mathsf|mathtt|mathnormal|mathcal|boldsymbol|bm|pmb|vec)"
     r"(?=\s*\{(?!\s*[A-Za-z](?:[A-Za-z0-9 ]|\\_)*\}))"
@@ -137,7 +138,13 @@ _SAME = dict.fromkeys("\u2212\u2010\u2011\u2013", "-") | dict.fromkeys("\u00b7\u
 _SAME |= dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " ")
 _SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our own
 _SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
-_SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
+_SAME |= dict.fromkeys("\u27fa\u21d4\u21d2", ";") | {
+    "\u2215": "/",
+    "\u2032": "'",
+    "\u2019": "'",
+    "\u2261": "=",
+    "\u2113": "l",
+}
 # Macros of brackets, and roots with an empty degree.
 _PLAIN_SIGNS = {"\\langle": "(", "\\rangle": ")", "\\lbrack": "[", "\\rbrack": "]", "\\sqrt[]": "\\sqrt"}
 _MACRO = re.compile("|".join(map(re.escape, _PLAIN_SIGNS)))
@@ -195,6 +202,8 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:
+        if re.search(r"_\{?[0-9]\}?\s*\(t\)", text):
+            text = _AT_A_TIME.sub(lambda m: m[1].ljust(len(m[0])), text)
         text = _OF_TIME.sub(lambda m: PRIMED.get(len(m["primes"]), "").ljust(len(m[0])), text)
     return _FONT.sub(lambda m: blank(m[0]), text)
 
@@ -275,29 +284,6 @@ _OLD_MATRIX = re.compile(r"\\(p?matrix)\s*\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\})
 
 _ROW_END, _TWO = re.compile(r"\\cr(?![A-Za-z])"), r"\\\\"
 
-# A line of plain text that is an equation: a name, an equals sign, and no two words side by side.
-_EQUATION = re.compile(
-    r"^[ \t]*(?:[-*\u2022][ \t]+|\(?[0-9]{1,2}[.)][ \t]+)?(?:\*\*)?"
-    r"(?P<equation>[A-Za-z\u0370-\u03ff][\w'.,()\[\]^]{0,24}(?:\*\*)?[ \t]*=[ \t]*[^=\n]*"
-    r"[0-9A-Za-z\u0370-\u03ff)\]'\u00b2\u00b3\u2080-\u2089])[ \t]*[.,;]?[ \t]*$",
-    re.MULTILINE,
-)
-_TYPED = re.compile(r"[\u00b2\u00b3\u2080-\u2089\u221a]|(?:sin|cos|tan2?|sqrt)\s*\(")
-_DIRECTIVE = re.compile(
-    r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
-    re.MULTILINE,
-)
-_PARAGRAPH = re.compile(r"(?:^[^\n]*\S[^\n]*(?:\n|\Z))+", re.MULTILINE)
-# A display whose brackets lost their backslashes, and the name that a program shows before a matrix.
-_LOST = re.compile(r"^[ \t]*\[[ \t]*\n(?P<body>(?:(?![ \t]*[][][ \t]*$)[^\n]*\n){1,40})[ \t]*\][ \t]*$", re.MULTILINE)
-_SHOWN = re.compile(
-    r"^(?P<name>[A-Za-z]+[0-9]*)(?:_(?P<sub>\w{1,9}))?[ \t]*=[ \t]*\n\s*(?P<display>\$\$?\s*)(?=\\(left|begin))",
-    re.MULTILINE,
-)
-_WORD = re.compile(
-    r"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi|[\u03b1-\u03c9])_?(?P<index>[0-9]*)(?![A-Za-z]))"
-)
-
 Spelled = tuple[str, Sequence[int]]  # a text, and for each character the offset from which it comes
 
 
@@ -305,57 +291,12 @@ def spelled(text: str) -> Spelled:
     """The text in LaTeX."""
     found: Spelled = text, range(len(text))
     for pattern, write in _WAYS:
-        found = _rewritten(found, pattern, write)
+        found = rewritten(found, pattern, write)
     return found
 
 
-def from_plain_text(text: str) -> Spelled:
-    """The equations of a text without mathematics between signs, each a display: ``theta2 = atan2(y, x)``."""
-    found = _rewritten((text, range(len(text))), _DIRECTIVE, _display)
-    found = _rewritten(found, _LOST, _restored)
-    found = _rewritten(found, _SHOWN, lambda m: f"{m['display']}{m['name']}_{{{m['sub']}}} = ".replace("_{None}", ""))
-    is_signed = re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0])
-    if not is_signed and "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
-        return _rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
-
-    outside = re.sub(r"(?s)\$\$.*?\$\$|\\\[.*?\\\]|\\begin\{(\w+)\*?\}.*?\\end\{\1", lambda m: blank(m[0]), found[0])
-
-    def display(match: re.Match[str]) -> str:
-        equation = match["equation"]
-        is_prose = bool(re.search(r"(?<![\w\\])[^\W\d_]{2,}[ \t]+[^\W\d_]{2,}", equation))
-        if is_signed:  # outside of mathematics, with an index, a root or a function as plain text has them
-            is_prose |= outside[match.start("equation")] == " " or not _TYPED.search(equation)
-            is_prose |= bool(re.search(r"[\\$&`#;]|\w\*\*\w", equation))
-        equation = re.sub(r"\*\*(?=[ \t]*=)", "", equation)
-        return match[0] if is_prose else f"$${_WORD.sub(_macro, equation)}$$"
-
-    return _rewritten(found if is_signed else (text, range(len(text))), _EQUATION, display)
-
-
-def _display(match: re.Match[str]) -> str:
-    """A block of mathematics of reStructuredText as displays, one for each paragraph."""
-    body = re.sub(r"(?m)^[ \t]+:[a-z]+:[^\n]*$", "", f"{match['line']}\n{match['body']}").strip("\n")
-    return "$$" + re.sub(r"\n[ \t]*\n(?=[ \t]*\S)", "$$\n\n$$", body) + "$$\n\n"
-
-
-def _restored(match: re.Match[str]) -> str:
-    """A display between brackets on lines of their own, outside of other mathematics."""
-    before = match.string[: match.start()]
-    is_inside = before.count("\\[") > before.count("\\]") or before.count("$$") % 2 or "\\" not in match["body"]
-    return match[0] if is_inside else f"$${match['body']}$$"
-
-
-def _macro(match: re.Match[str]) -> str:
-    r"""A function or a Greek letter of plain text: ``\operatorname{atan2}(``, ``\theta_{12}``."""
-    if match["greek"]:
-        greek = match["greek"] if match["greek"].isascii() else unicodedata.name(match["greek"]).split()[-1].lower()
-        return f"\\{greek}" + (f"_{{{match['index']}}}" if match["index"] else " ")
-    name = match[0][:-1]
-    known = {"sqrt", "sin", "cos", "tan", "atan", "acos", "asin", "atan2", "arctan", "arccos", "arcsin", "sgn", "sign"}
-    return f"\\operatorname{{{name}}}(" if name.casefold() in known else match[0]
-
-
-def _rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Match[str]], str]) -> Spelled:
+def rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Match[str]], str]) -> Spelled:
+    """A text in which a pattern is written otherwise; each character keeps its place."""
     text, origins = found
     pieces, places, last = list[str](), list[int](), 0
     for match in pattern.finditer(text):
@@ -363,7 +304,7 @@ def _rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Mat
         pieces += [text[last : match.start()], new]
         places += origins[last : match.start()]
         at = 0
-        for letter in new:  # what is written comes from the characters of the old text in the same order
+        for letter in new:
             at = max(at, match[0].find(letter, at))
             places.append(origins[match.start() + at])
         last = match.end()
@@ -408,6 +349,7 @@ _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_BEFORE, lambda m: "{}" + re.sub(r"[_^]\{\}", "", m[1] + m[2] if m[4] is None else f"^{{{m[3]}}}_{{{m[4]}}}")),
     (re.compile(r"\\langle((?:(?!\\[lr]angle|\|)[^$])*,(?:(?!\\[lr]angle|\|)[^$])*)\\rangle"), lambda m: f"({m[1]})"),
     (re.compile(r"\\_(?=[0-9A-Za-z{])"), lambda m: "_"),
+    (re.compile("\u0394 ?(?=[A-Za-z])"), lambda m: "\\Delta "),
     (re.compile(r"(?<![A-Za-z\\])([csCS])_([0-9]{2,3})(?![0-9])"), lambda m: f"{m[1]}_{{{m[2]}}}"),  # as it is meant
     (re.compile(r"(?<![A-Za-z\\])([mla]_[1-9])([2-9])(?=[A-Za-z\\])"), lambda m: f"{m[1]} {m[2]}"),
     (re.compile(r"(\\end\{[bp]matrix\}\s*)[xX](?=\s*\\begin)"), lambda m: f"{m[1]}\\times "),

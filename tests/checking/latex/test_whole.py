@@ -9,7 +9,7 @@ from derive.checking.latex.poses import MARK, Poses
 from derive.checking.latex.scope import Scope
 from derive.checking.latex.sides import SideReading
 from derive.checking.latex.targets import Target, candidates
-from derive.checking.latex.whole import frames_of, unused
+from derive.checking.latex.whole import unused
 from derive.errors import Location
 from derive.model.model import Model
 from derive.robot.expression import Call, Name, Pi, multiply, number, to_text
@@ -202,10 +202,6 @@ def test_a_product_alone_is_compared_where_its_frames_follow_each_other() -> Non
     assert checked(ANT, r"$$T_3^0 = T_1^0 T_2^1 T_3^2$$").equal == 1
     skipping = checked(ANT, r"$$T_3^0 = T_1^0 T_3^2$$ $$p_z = d_1 + a_2 s_2 + a_3 s_{23}$$")
     assert (skipping.equal, len(skipping.unread)) == (1, 1)
-    assert frames_of(Target("A[2]"), ANT) == (1, 2)
-    assert frames_of(Target("T"), ANT) == (0, 3)
-    assert frames_of(Target("T[1,3]", (1, 2, 3), (4,)), ANT) is None
-    assert frames_of(Target("B"), ANT) is None
 
 
 def test_a_partial_derivative_is_an_entry_of_the_jacobian() -> None:
