@@ -104,7 +104,7 @@ class Comparing:
     def _identities(self, said: list[Side], *, is_nameless: bool = False) -> Iterator[Finding | Claim]:
         """Sides that say the same, or should; nameless if no other side says what they are."""
         moving = [s for s in said if isinstance(s.value, Table) or not is_constant(s.value or ZERO) or s.value == ZERO]
-        said = moving if len(moving) > 1 and self.document else said  # the number at the end is that of an example
+        printed, said = said, moving if len(moving) > 1 and self.document else said  # a number at the end: an example's
         first = said[0]
         is_angle = isinstance(first.value, Sum) and all(isinstance(term, Name) for term in first.value.terms)
         is_name = is_angle or (isinstance(first.value, Name | Call) and not (first.left and first.left.labelled))
@@ -122,7 +122,7 @@ class Comparing:
         is_point = is_point and all(e == ZERO or not is_constant(e) for e in others)
         if is_parameter or (is_name and any(given) and not is_point):
             what = "a symbol of the robot" if is_parameter else "given a number, a condition"
-            values = [side.value for side in said if side.value is not None and not isinstance(side.value, Table)]
+            values = [side.value for side in printed if side.value is not None and not isinstance(side.value, Table)]
             self._states(first.piece, " = ".join(self._typed(side.piece) for side in said), ways(values))
             remedy = "write a quantity such as T_3^0 = or b_{11} = on the left"
             raise self._refused(first.piece, f"{quoted(self._typed(first.piece))} is {what}", remedy)

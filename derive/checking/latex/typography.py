@@ -40,6 +40,13 @@ _INK = re.compile(
     # nothing in braces, but where it bears the scripts of the letter behind it: {}^0T_1
     r"|(?<=[A-Za-z0-9)}\]])\{\s*\}(?=\s*\^\s*(?:\{[^{}]*\}|[0-9])(?![_^]|\\?[A-Za-z{]))|\{\s*\}(?!\s*[_^])"
 )
+# A unit behind a number or a matrix, 1~\\mathrm{m}; nothing that goes on, as the upright letter of a name would.
+_OF_UNIT = re.compile(
+    r"(?P<kept>[0-9]|\\pi|\\end\{[bpv]?matrix\})(?:[\s~]|\\[,;: ])*\\(?:mathrm|text|textrm|mbox)\s*\{"
+    r"(?:[\s~/.]|\\[,;: ]|\\cdot|(?:[ckm]?m|rad|deg|kg|Nm?|[sJW]|Hz)(?![A-Za-z])(?:\^\{?-?[0-9]\}?)?)+\}"
+    r"(?:\^\{?-?[0-9]\}?)?"
+    r"(?=[\s~]*(?:$|[,;.$=&)\]\u2248]|\\[\])\\]|\\q?quad|\\end|\\text|\\approx))"
+)
 _STAR = rf"\^ *(?:\{{ *(?:\*|\\(?:ast|star){_END}) *\}}|\*|\\(?:ast|star){_END})"  # of what moves
 _LETTER = r"(?:\\(?:var)?theta|(?<![A-Za-z\\])[csqdxyzpP])"
 _SUB = r"(?:\s*_\s*(?:\{\s*\w+\s*\}|\w))"
@@ -199,6 +206,9 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _STARS.sub(lambda m: (m["kept"] + "''" * (m["letter"] in others)).ljust(len(m[0])), text)
     text = re.sub(r"(\\\\)|\\(?=_[0-9{])", lambda m: m[1] or " ", text)  # \_ for an index, as Markdown needs it
     text = re.sub(r"(\\\\)|\\\n", lambda m: m[1] or r"\\", text)  # a row end that lost a backslash on its way
+    text = re.sub(r"([-+=])(?=\s*\\\\\s*(?:\[[^]]*\])?[\s&]*\1)", " ", text)  # a sign at both sides of a break
+    text = _OF_UNIT.sub(lambda m: m["kept"] + blank(m[0][len(m["kept"]) :]), text)
+    text = re.sub(r"\\approx(?=\s*\\begin\{[bp]matrix\}[-0-9.&\\\s]+\\end)", lambda m: "=".rjust(len(m[0])), text)
     text = _INK.sub(lambda m: m[0] if m["kept"] else blank(m[0]), text)
     text = _RATE.sub(_rate, text)
     if time:
