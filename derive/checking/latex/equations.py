@@ -7,6 +7,7 @@ of ``align`` are separate equations, and ``a = b = c`` has three sides, pieces o
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import chain
 
 from derive.checking.documents import closing_brace
 from derive.checking.latex.left import taken_apart
@@ -70,7 +71,8 @@ def equations(text: str, start: Location, *, document: bool = False, time: bool 
             if document:
                 continue
             raise
-        yield from _equations(whole)
+        found = _equations(whole)
+        yield from chain.from_iterable(map(_alternatives, found)) if document else found
 
 
 def _displays(plain: str, start: Location, document: bool) -> Iterator[tuple[int, int]]:
@@ -179,7 +181,7 @@ def _unbracketed(text: str) -> str:
     return f"{text[:begin]} {text[begin + 1 : end]} {text[end + 1 :]}"
 
 
-def alternatives(sides: Sides) -> Iterator[Sides]:
+def _alternatives(sides: Sides) -> Iterator[Sides]:
     """One equation for each row of alternatives with conditions, and for each pair of ``(x, y) = (a, b)``."""
     *_, last = sides
     if [side.text.strip() for side in sides[:-1]] == [last.text.strip().removeprefix("-")] and "-" in last.text:

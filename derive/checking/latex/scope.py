@@ -12,7 +12,7 @@ from itertools import chain, islice, product
 from derive.checking.chains import chained, factors
 from derive.checking.inverse.reading import printed_words
 from derive.checking.latex import whole
-from derive.checking.latex.equations import Sides, alternatives, equations
+from derive.checking.latex.equations import Sides, equations
 from derive.checking.latex.formula import LatexReader
 from derive.checking.latex.left import AXES, Left, Reading, Scripts, taken_apart
 from derive.checking.latex.matrices import LARGEST_DETERMINANT, Entry, Table
@@ -59,7 +59,6 @@ class Scope:
         self.model, self.robot, self.text, self.start, self.document = model, model.robot, text, start, document
         has_time = "t" not in robot_symbols(self.robot)
         found = equations(text, start, document=document, time=has_time)
-        found = chain.from_iterable(map(alternatives, found)) if document else found
         self.equations = tuple(islice(found, MAX_EQUATIONS + 1))  # what is compared, in the order of the text
         if len(self.equations) > MAX_EQUATIONS or any(len(e) > MAX_SIDES for e in self.equations):
             allowed = f"allowed: at most {MAX_EQUATIONS} with {MAX_SIDES} sides each"
@@ -77,9 +76,9 @@ class Scope:
         self.plain = LatexReader(LatexNames(self.robot, foreign=self._foreign), text, start)
         self.meanings.has_turns = _TURNS.match(plain) is not None
         self.meanings.columns = columns = whole.named_columns(self.equations) if document else {}
+        named = whole.entry_letters(self.equations), whole.transforms(self.equations)
         has_one_end = document and len(self.robot.ends) < 2  # of several, a pose without a name is none's
-        letters, matrices = whole.entry_letters(self.equations), whole.transforms(self.equations)
-        self.poses = Poses(model, plain, columns, letters, matrices) if has_one_end else None
+        self.poses = Poses(model, plain, columns, *named) if has_one_end else None
         self.meanings.forces = frozenset(filter(None, map(force_named, words)))
         self.meanings.has_o_columns = self.poses is not None and self.poses.has_o_columns
         behind = [left for e in self.equations for s in e if not s.matrices and (left := taken_apart(s.text))]

@@ -178,19 +178,14 @@ def cleaned(text: str, time: bool = True) -> str:
     text = _SIGN.sub(lambda m: rf"{m['name']}=\pm 1".ljust(len(m[0])), _OPENED.sub(r" \1 ", text))
     text = _ASIDE.sub(lambda m: blank(m[0]), re.sub(r"(?<!\\)\\l_", " l_", text))
     text = _BAR.sub(lambda m: f" {m['in'] or m['bare']}'".ljust(len(m[0])), text)
-    text = _WAY.sub(_difference, text)
-    text = text.replace("\\overrightarrow", "\\vec".ljust(15))
+    text = _WAY.sub(_difference, text).replace("\\overrightarrow", "\\vec".ljust(15))
     text = re.sub(r"(\\vec\s*\{\s*[xyz])(\s*_\s*(?:[0-9]|\{[0-9]\}))\s*\}", r"\1}\2", text)
     text = _SIGNED_WORD.sub(lambda m: rf"{m['sign'] or m['middle'] or ''}\arc{m['function']}".ljust(len(m[0])), text)
     text = re.sub(r"(?<=_)\\(?:mathrm|text|textrm|mathit|mathbf|rm)(?=\s*\{)", lambda m: blank(m[0]), text)
     text = _SIDESET.sub(lambda m: ("{}" + m["kept"]).rjust(m.end("kept") - m.start()).ljust(len(m[0])), text)
     text = re.sub(r"(?<=[_^]\{)\\[a-z]+\{[^{}$\\]*\}", lambda m: re.sub("[,-]", " ", m[0]), text)  # {\text{a-b}}
     text = _CLAMPED.sub(_within, text)
-    first = int(all(m["indexed"] or "0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
-    text = _ENTRY.sub(partial(_entry, first=first), text)
-    if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):
-        entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
-        text = entries.sub(lambda m: f"{m[1]}{int(m[2]) + 1}{m[3]}{int(m[4]) + 1}", text)
+    text = _counted_from_one(text)
     text = _REPEATED.sub(lambda m: m[0].replace(" ", "").ljust(len(m[0])), text)
     text = re.sub(r"\\Delta (?=[A-Za-z](?![A-Za-z]))([A-Za-z])", r"\\bm{D\1} ", text)
     if re.search(r"(?:q|theta)_\{?[0-9]pp?\}?(?![A-Za-z])", text):
@@ -216,6 +211,16 @@ def cleaned(text: str, time: bool = True) -> str:
             text = _AT_A_TIME.sub(lambda m: m[1].ljust(len(m[0])), text)
         text = _OF_TIME.sub(lambda m: PRIMED.get(len(m["primes"]), "").ljust(len(m[0])), text)
     return _FONT.sub(lambda m: blank(m[0]), text)
+
+
+def _counted_from_one(text: str) -> str:
+    """The text with R_{36,23} for entries in brackets, and M_{11} for the first entry where it is M_{00}."""
+    first = int(all(m["indexed"] or "0" not in (m["row"], m["column"]) for m in _ENTRY.finditer(text)))
+    text = _ENTRY.sub(partial(_entry, first=first), text)
+    if counted := "".join({*re.findall(r"(?<![A-Za-z\\])([MmDdHhBbCc])_\{?0,?0\}?(?![0-9])", text)}):
+        entries = re.compile(rf"(?<![A-Za-z\\])([{counted}]_\{{?)([0-8])(,?)([0-8])(?![0-9])")  # M_{00}, the first one
+        return entries.sub(lambda m: f"{m[1]}{int(m[2]) + 1}{m[3]}{int(m[4]) + 1}", text)
+    return text
 
 
 def without_comments(text: str) -> str:
