@@ -1,7 +1,7 @@
 """A motion as it is printed: polynomials of time, plain data for JSON, the curve of the hand, tables and samples.
 
 In the data exact numbers stand as texts beside their decimals. The curve of the hand is where the end effector is and
-how fast it goes, in numbers and, of formulas, as a formula.
+how fast it goes, as formulas.
 """
 
 from __future__ import annotations
@@ -21,10 +21,10 @@ from derive.mechanics.vectors import dot
 from derive.motion.curves.limits import ROUNDING, Violation
 from derive.motion.motion import Motion
 from derive.motion.simulation.simulation import Run
-from derive.motion.torques.functions import Functions, arm_of, check_numbers, joint_positions
+from derive.motion.torques.functions import arm_of, joint_positions
 from derive.plans.profile import MOST_PRINTED, TIME
 from derive.plans.segments import DIGITS, Peak, SegmentPeaks, formula
-from derive.robot.names import acceleration_name, free_symbols, velocity_name
+from derive.robot.names import acceleration_name, velocity_name
 from derive.robot.robot import Robot
 from derive.robot.tree import ends
 from derive.targets.escape import latex_text
@@ -133,27 +133,7 @@ class HandCurve:
 
     def __init__(self, motion: Motion, end: str = "") -> None:
         self._motion = motion
-        self.robot, self._places = arm_of(motion.plan.robot, end)
-
-    def __call__(self, t: Array) -> tuple[Array, Array]:
-        """Position [m] and velocity [m/s] in the world frame, (times, 3) each."""
-        times = np.asarray(t, dtype=float)
-        q, qd = (value[..., list(self._places)] for value in self._motion(times)[:2])
-        p = self._functions("forward_kinematics", q)[..., :3, 3]
-        v = np.einsum("tij,tj->ti", self._functions("jacobian", q)[..., :3, :], qd)  # v = J_v qd
-        if (base := self._motion.base) is None:
-            return p, v
-        # On a base with the pose (R, o): p_world = R p + o, v_world = R' p + R v + o'.
-        now, rate = base(times, 0), base(times, 1)
-        turned = np.einsum("tij,tj->ti", rate[:, :3, :3], p) + np.einsum("tij,tj->ti", now[:, :3, :3], v)
-        return np.einsum("tij,tj->ti", now[:, :3, :3], p) + now[:, :3, 3], turned + rate[:, :3, 3]
-
-    @cached_property
-    def _functions(self) -> Functions:
-        robot, place = self.robot, self._motion.plan.places["robot"]
-        check_numbers(free_symbols(robot), self._motion.values, robot.name, place)
-        names, motion = frozenset({"forward_kinematics", "jacobian"}), self._motion
-        return Functions(robot, names, motion.values, reached=motion.reached)
+        self.robot, _ = arm_of(motion.plan.robot, end)
 
     @cached_property
     def _model(self) -> KinematicModel:

@@ -9,7 +9,6 @@ import pytest
 
 from derive.motion.motion import Motion
 from derive.motion.output.page import motion_page
-from derive.motion.output.printed import HandCurve
 from tests.handouts.page.test_browser_viewer import browser, serious, watched
 from tests.motion.plans import FASTEST, LINE_AND_ARC, PICK_AND_PLACE
 
@@ -139,7 +138,7 @@ def test_the_arm_of_the_page_is_where_the_motion_is(shown: Shown) -> None:
     t = 0.37 * shown.motion.duration
     shown.page.evaluate("t => deriveViewer.player.set(t)", t)
     assert shown.page.evaluate("deriveViewer.configuration()") == pytest.approx(shown.motion(t)[0], abs=1e-12)
-    place = HandCurve(shown.motion)(np.array([t]))[0][0]
+    place = shown.motion.poses(t)[:3, 3]
     assert np.array(shown.page.evaluate("deriveViewer.pose()"))[:3, 3] == pytest.approx(place, abs=1e-12)
     said = shown.page.get_attribute(".player-time", "aria-valuetext") or ""
     assert float(said.split(" s, ")[0]) == pytest.approx(t, abs=0.005)

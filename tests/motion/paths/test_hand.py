@@ -13,7 +13,6 @@ from derive.lecture.sympy_conversion import expression_to_sympy
 from derive.model.model import Model
 from derive.motion.motion import Motion
 from derive.motion.output.page import plan_part
-from derive.motion.output.printed import HandCurve
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.poses import angular_motion, rotation_of, spline_way
 from derive.robot.robot import Robot
@@ -209,15 +208,14 @@ def via() -> Motion:
 
 
 def test_slide_31_the_hand_goes_through_its_points_on_the_spline_of_scipy(via: Motion) -> None:
-    knots = [0, 1, 2.5, 3.5]
-    p, v = HandCurve(via)(np.array(knots))
-    assert p[:, :2] == pytest.approx(PLACES, abs=1e-11)
-    assert np.abs(v[[0, -1]]).max() < 1e-12
-    t = np.linspace(0, 3.5, 500)
+    knots, h = np.array([0, 1, 2.5, 3.5]), 1e-5
+    assert via.poses(knots)[:, :2, 3] == pytest.approx(PLACES, abs=1e-11)
+    assert np.abs(via(knots[[0, -1]])[1]).max() < 1e-12
+    t = np.linspace(h, 3.5 - h, 500)
     expected = CubicSpline(knots, PLACES, bc_type="clamped")
-    p, v = HandCurve(via)(t)
-    assert p[:, :2] == pytest.approx(expected(t), abs=1e-9)
-    assert v[:, :2] == pytest.approx(expected(t, 1), abs=1e-7)
+    before, p, after = (via.poses(t + step)[:, :2, 3] for step in (-h, 0.0, h))
+    assert p == pytest.approx(expected(t), abs=1e-9)
+    assert (after - before) / (2 * h) == pytest.approx(expected(t, 1), abs=1e-7)
 
 
 def test_the_plan_in_print_says_that_the_hand_is_on_the_spline(via: Motion) -> None:
