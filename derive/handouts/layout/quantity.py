@@ -17,7 +17,7 @@ import sympy
 
 from derive.handouts.layout.lines import LANDSCAPE_WIDTH, Equation, equated, equation_lines, fits, matrix, pack
 from derive.handouts.notation.notation import Glyph
-from derive.handouts.notation.pieces import EMPTY, Box, concatenate, italic, joined, magnitude
+from derive.handouts.notation.pieces import EMPTY, Box, concatenate, joined, magnitude
 from derive.handouts.notation.printer import LatexPrinter
 from derive.model.entries import Entries
 
@@ -46,8 +46,7 @@ POLICY = SheetPolicy()
 SHORTEST = 3  # terms of a bracket that gets a name when it occurs twice
 OFTEN = 4  # uses after which a bracket of two products gets one too
 MANY = 10**9  # numbers of terms from which on two digits say enough
-ZERO = italic("0")  # row and column, from 1
-Namer = Callable[[int, int], Box]  # (row, column) -> name of an entry
+Namer = Callable[[int, int], Box]  # (row, column), from 1 -> name of an entry
 Definition = tuple[Any, Any]  # a symbol and the expression that it stands for
 
 
@@ -89,19 +88,27 @@ class Layouter:
         self, symbol: Box, name: Namer, quantity: Entries, *, group: int = 0, symmetric: bool = False, limit: int = 0
     ) -> LaidOut:
         """One matrix: in brackets if it fits, else entry by entry."""
-        places = [(i, j) for i, j in quantity.places if i <= j or not symmetric]
-        items = {at: Item(name(*at), quantity.terms(*at), partial(quantity.entry, *at)) for at in places}
-        # In brackets only where no page is too narrow for certain: expressions are written and measured for it.
-        if sum(item.terms for item in items.values()) <= self.policy.matrix_terms:
-            boxes = {place: joined(self.printer.pieces(item.write())) for place, item in items.items() if item.terms}
-            height, width = (range(1, size + 1) for size in quantity.shape)
-            filled = ({(j, i): box for (i, j), box in boxes.items()} if symmetric else {}) | boxes
-            box = equated(symbol, matrix([[filled.get((i, j), ZERO) for j in width] for i in height]))
-            if fits(box, len(height)):
-                values = tuple((item.name, item.write()) for item in items.values() if item.terms)
-                return LaidOut((box.tex,), values=values, blanks=(symbol.tex,))
-        laid_out = self.entries(list(items.values()), group=group, symmetric=symmetric, limit=limit)
+        if whole := self.small(symbol, name, quantity, symmetric=symmetric):
+            return whole
+        places = (at for at in quantity.places if at[0] <= at[1] or not symmetric)
+        items = [Item(name(*at), quantity.terms(*at), partial(quantity.entry, *at)) for at in places]
+        laid_out = self.entries(items, group=group, symmetric=symmetric, limit=limit)
         return replace(laid_out, blanks=(symbol.tex,) if laid_out.blanks else ())
+
+    def small(self, symbol: Box, name: Namer, quantity: Entries, *, symmetric: bool = False) -> LaidOut | None:
+        """A matrix in brackets, which may share a line; None if it is too wide or has too many terms."""
+        # Only where no page is too narrow for certain: expressions are written and measured for it.
+        places = [at for at in quantity.places if at[0] <= at[1] or not symmetric]
+        if any(so_far > self.policy.matrix_terms for so_far in accumulate(quantity.terms(*at) for at in places)):
+            return None
+        entries = {at: quantity.entry(*at) for at in places}
+        boxes = {at: joined(self.printer.pieces(entry)) for at, entry in entries.items()}
+        rows, columns = (range(1, size + 1) for size in quantity.shape)
+        cells = [[boxes[(i, j) if (i, j) in boxes else (j, i)] for j in columns] for i in rows]
+        if not fits(box := equated(symbol, matrix(cells)), len(rows)):
+            return None
+        values = tuple((name(*at), entry) for at, entry in entries.items() if quantity.terms(*at))
+        return LaidOut((box.tex,), values=values, blanks=(symbol.tex,), box=box)
 
     def entries(self, items: Sequence[Item], *, group: int = 0, symmetric: bool = False, limit: int = 0) -> LaidOut:
         """Entries one by one, brackets that they share as named terms."""

@@ -17,7 +17,7 @@ from derive.handouts.layout.quantity import LaidOut
 from derive.handouts.notation.pieces import BINARY_WIDTH, EMPTY, Box, bracketed, concatenate, italic, minus, script
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.kinematics import euler_names
-from derive.handouts.sheet.context import Context, component_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.context import Context, component_namer, formula, side_by_side, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.model.entries import Entries
 
@@ -172,23 +172,22 @@ class JointAxes:
         symbol = self.symbol(letter, self.index(i))
         if frame > self._last_short:
             return symbol
-        quantity, namer = self._in_world(frame).part(_UPPER, (column,)), component_namer(symbol)
-        found = small(self.context, symbol, quantity, namer)
-        if found is not None or not quantity.is_short(self.context.policy.matrix_terms):
-            return found or symbol
+        if not (quantity := self._in_world(frame).part(_UPPER, (column,))).is_short(self.context.policy.matrix_terms):
+            return symbol
         group = Group.axis(self.context.robot.n, frame, column)
-        return self.context.layouter.lay_out(symbol, namer, quantity, group=group)
+        return self.context.layouter.lay_out(symbol, component_namer(symbol), quantity, group=group)
 
     def end(self) -> Vector:
         """The origin of the end effector."""
         p = bold("p")
-        return small(self.context, p, self.context.entries.T.part(_UPPER, (4,)), component_namer(p)) or p
+        return self.context.layouter.small(p, component_namer(p), self.context.entries.T.part(_UPPER, (4,))) or p
 
     def column(self, i: int) -> Vector:
         """A column of J."""
         symbol = script(bold("J"), italic(str(self.context.places[i - 1] + 1)))
         box = equated(symbol, matrix([[half] for half in self.halves(i)]))
-        return small(self.context, box, self.context.entries.J.part(_ALL, (i,)), component_namer(symbol)) or box
+        quantity = self.context.entries.J.part(_ALL, (i,))
+        return self.context.layouter.small(box, component_namer(symbol), quantity) or box
 
     @cached_property
     def _last_short(self) -> int:

@@ -14,7 +14,7 @@ from derive.handouts.notation import pieces as typeset
 from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, greek, italic, minus, script, upright
 from derive.handouts.notation.symbols import Group, bold
 from derive.handouts.parts.table import BASE, tool_of
-from derive.handouts.sheet.context import Context, entry_namer, formula, in_rows, side_by_side, small, textbook
+from derive.handouts.sheet.context import Context, entry_namer, formula, in_rows, side_by_side, textbook
 from derive.handouts.sheet.document import Block, Paragraph, Rows, Steps
 from derive.model.entries import Entries
 from derive.robot import tree
@@ -36,10 +36,7 @@ def transforms(context: Context) -> Iterator[Block]:
         yield context.paragraph("The transform of each row of the table, from frame $i$ to frame $i-1$:")
         matrices = [(context.symbols.frame("A", i, i - 1), context.entries.A(i)) for i in range(1, context.robot.n + 1)]
     task = context.text("Write the transform of each row of the table.")
-    rows: list[LaidOut] = []
-    for i, (symbol, quantity) in enumerate(matrices, 1):
-        fitting = small(context, symbol, quantity, entry_namer(symbol))
-        rows.append(fitting or _laid_out(context, symbol, quantity, Group.row(i)))
+    rows = (_laid_out(context, symbol, quantity, Group.row(i)) for i, (symbol, quantity) in enumerate(matrices, 1))
     yield from (formula(context, laid_out, "link_transforms", task) for laid_out in in_rows(rows))
 
 
@@ -92,7 +89,7 @@ def _steps(context: Context) -> Iterator[Block]:
     long = next((i for i in range(2, last + 1) if not context.between(0, i).is_short(limit)), last + 1)
     for i in range(2, long):
         symbol, quantity = frames[i], context.between(0, i)
-        if (on_one_line := small(context, products[i], quantity, entry_namer(symbol))) is not None:
+        if on_one_line := context.layouter.small(products[i], entry_namer(symbol), quantity):
             yield formula(context, side_by_side([on_one_line]))
         else:
             yield Rows((products[i].tex,))

@@ -174,19 +174,6 @@ def matrix_lines(symbol: Box, cells: Sequence[Sequence[Cell]], namer: Namer) -> 
     return equation_lines(Equation(namer(i, j), cell) for i, j, cell in places)
 
 
-def small(context: Context, symbol: Box, quantity: Entries, namer: Namer) -> LaidOut | None:
-    """A matrix as one box, which may share a line; None if it is too wide or has too many terms."""
-    if not quantity.is_short(context.policy.matrix_terms):
-        return None
-    entries = {place: quantity.entry(*place) for place in quantity.places}
-    rows, columns = (range(1, size + 1) for size in quantity.shape)
-    box = equated(symbol, matrix([[joined(context.printer.pieces(entries[i, j])) for j in columns] for i in rows]))
-    if not fits(box, len(rows)):
-        return None
-    values = tuple((namer(*place), value) for place, value in entries.items() if quantity.terms(*place))
-    return LaidOut((box.tex,), values=values, blanks=(symbol.tex,), box=box)
-
-
 def side_by_side(items: Sequence[LaidOut]) -> LaidOut:
     """Small matrices that share lines, as one quantity."""
     values, blanks = (tuple(chain.from_iterable(getattr(item, key) for item in items)) for key in ("values", "blanks"))
@@ -207,8 +194,12 @@ def body_formulas(
     context: Context, items: Iterable[BodyItem], task: str = "", *, symmetric: bool = False
 ) -> Iterator[Block]:
     """Quantities of links and rotors in their order; small neighbours share lines. No generated function gives them."""
-    body = context.dynamics.body
-    quantities = (small(context, s, q, entry_namer(s)) or body(s, q, group, symmetric) for s, q, group in items)
+    small, body = context.layouter.small, context.dynamics.body
+    quantities = (
+        small(symbol, entry_namer(symbol), quantity)
+        or replace(body(symbol, quantity, group, symmetric), box=EMPTY)  # which has lines of its own
+        for symbol, quantity, group in items
+    )
     for laid_out in in_rows(quantities):
         if laid_out.lines or not laid_out.omitted:
             yield replace(formula(context, laid_out, task=task), omitted=())

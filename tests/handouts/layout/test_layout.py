@@ -27,7 +27,7 @@ from derive.handouts.layout.quantity import POLICY, Item, LaidOut, Layouter, omi
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, italic, joined, script
 from derive.handouts.notation.printer import LatexPrinter
-from derive.handouts.sheet.context import Context, component_namer, entry_namer, formula, side_by_side, small, textbook
+from derive.handouts.sheet.context import Context, component_namer, entry_namer, formula, side_by_side, textbook
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Steps, blocks_of, spans
 from derive.handouts.sheet.latex_writer import macros
 from derive.model.entries import Entries, of_matrix
@@ -196,14 +196,14 @@ def context() -> Context:
 
 def test_small_matrices_share_a_line_and_a_wide_one_is_not_small(context: Context) -> None:
     matrix = of_matrix(sympy.Matrix([[sympy.cos(q1), 0], [0, 1]]))
-    found = [small(context, symbol, matrix, entry_namer(symbol)) for symbol in (P, R)]
+    found = [context.layouter.small(symbol, entry_namer(symbol), matrix) for symbol in (P, R)]
     together = side_by_side([one for one in found if one is not None])
     body = "\\begin{bmatrix} c_{1} & 0 \\\\ 0 & 1 \\end{bmatrix}"
     assert together.lines == (f"P = {body} \\qquad R = {body}",)
     assert together.blanks == ("P", "R")
     assert [name.tex for name, _ in together.values] == ["(P)_{11}", "(P)_{22}", "(R)_{11}", "(R)_{22}"]
     wide = sympy.Matrix([[sympy.Symbol("a1") ** k * sympy.Symbol("a2") ** k for k in range(2, 22)]])
-    assert small(context, P, of_matrix(wide), entry_namer(P)) is None
+    assert context.layouter.small(P, entry_namer(P), of_matrix(wide)) is None
 
 
 def test_components_of_a_vector_have_one_index() -> None:
