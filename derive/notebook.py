@@ -25,7 +25,6 @@ from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Name
 from derive.robot.options.style import Style
 from derive.robot.robot import Robot
-from derive.version import __version__
 
 MOST_LINES = 40  # a quantity with more lines is left to be asked for by name
 
@@ -81,7 +80,7 @@ class Model(ClosedForms):
         if self.robot.is_tree:
             return None
         robot = replace(self.robot, style=self.style)
-        context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text(), __version__)
+        context = Context(ModelEntries(ClosedForms(robot)), robot.handout, Text())
         letter = context.symbols.inertia_letter
         names = {"T": "T", "J": "J"} | ({"B": letter, "g": "g"} if robot.has_dynamics else {})
         lines: list[str] = []

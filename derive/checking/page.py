@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import groupby
 
-from derive import version
 from derive.checking.formulas.findings import judge
 from derive.checking.report import Printout, difference_text, numbers, summary, what
 from derive.handouts.notation.printer import LatexPrinter
@@ -37,9 +36,7 @@ def verdict_page(printouts: Sequence[Printout]) -> str:
         title=printouts[0].report.source.removesuffix(f" ({robots[0]})"),
         subtitle="; ".join(summary(replace(printout.report, unread=())) for printout in printouts),
         name=", ".join(robots),
-        language="en",
         digest="",
-        version=version.__version__,
         footer=f"Printed formulas against those derived from {', '.join(map(_code, robots))}",
         sections=tuple(section for section in sections if section.blocks),
     )

@@ -30,7 +30,7 @@ OF_ENDS = ("kinematics", "orientation", "jacobian", "inverse")  # about one end 
 def context_of(robot: Robot, options: HandoutOptions | None = None) -> Context:
     """What the handout of a robot is made from; without options what its file says is shown."""
     chosen, entries = options or robot.handout, ModelEntries(Model(robot))
-    return Context(entries, chosen, text_for(chosen.language), __version__, poses_of(entries.robot))
+    return Context(entries, chosen, text_for(chosen.language), poses_of(entries.robot))
 
 
 def section_of(context: Context, name: str) -> Section | None:
@@ -94,9 +94,7 @@ def document(context: Context) -> Document:
         title=robot.title,
         subtitle="",
         name=robot.name,
-        language=_.language,
         digest=robot.digest,
-        version=context.version,
-        footer=_("derive %(version)s, robot file `%(digest)s`", version=context.version, digest=robot.digest[:16]),
+        footer=_("derive %(version)s, robot file `%(digest)s`", version=__version__, digest=robot.digest[:16]),
         sections=tuple(sections_of(context, shown)),
     )

@@ -32,6 +32,7 @@ from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.options.handout import PARTS, HandoutOptions
 from derive.robot.robot import Robot
+from derive.version import __version__
 
 if TYPE_CHECKING:
     from derive.handouts.page.viewer import Viewer
@@ -103,7 +104,7 @@ def handout_files(
             from derive.handouts.page.writer import page
 
             figure = addition[1](context) if addition else _arm(context)
-            mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+            mark = f"<!DOCTYPE html>\n<!-- written by derive {__version__} -->"
             html = page(made_from(whole), context.text, figure).replace("<!DOCTYPE html>", mark, 1)
             files[f"{name}.html"] = html.encode()
     return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
@@ -156,7 +157,7 @@ def fragment_text(robot: Robot, options: HandoutOptions, name: str, width: str =
         why = "it has no closed loops" if name == "closure" else "its file gives no links"
         raise QuantityError(f"{robot.name} has no part {quoted(name)}", allowed=why)
     section = replace(sections[0], blocks=tuple(block for own in sections for block in own.blocks))
-    return fragment(section, context.text, name=name, robot=robot.name, version=context.version, width=width)
+    return fragment(section, context.text, name=name, robot=robot.name, width=width)
 
 
 def _quantity(context: Context, name: str) -> sheet.Section:
@@ -245,7 +246,7 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> tuple[Box,
 _WIDEST = 10  # columns that amsmath's matrices have unless told otherwise
 
 
-def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, version: str, width: str = "") -> str:
+def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, width: str = "") -> str:
     r"""A section in a group of its own."""
     blocks = list(sheet.blocks_of(section))
     is_drawn = any(isinstance(block, sheet.Figure) for block in blocks)
@@ -256,7 +257,7 @@ def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, versi
         "heading",
         name=name,
         robot=robot,
-        version=version,
+        version=__version__,
         packages="".join(f"\\usepackage{{{package}}}" for package in ("amsmath", *(["graphicx"] if is_drawn else []))),
         columns=columns if columns > _WIDEST else 0,
         width=width,

@@ -4,7 +4,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from derive import version
 from derive.arrays import Array
 from derive.handouts.figure.drawing import Color, Drawing, Item, Label, Path
 from derive.handouts.notation.notation import Notation
@@ -39,9 +38,7 @@ def report_page(found: Identified) -> str:
         title=found.robot.title or found.robot.name,
         subtitle="Identification",
         name=found.robot.name,
-        language="en",
         digest=found.source.digest,
-        version=version.__version__,
         footer=f"Parameters of `{found.robot.name}` from a log",
         sections=sections,
     )

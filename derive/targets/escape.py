@@ -44,7 +44,7 @@ _GREEK_WORDS = (
     "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi pi rho sigma tau upsilon phi chi psi "
     "omega Gamma Delta Theta Lambda Xi Pi Sigma Upsilon Phi Psi Omega"
 )
-_GREEK = frozenset(_GREEK_WORDS.split(" "))  # letters that LaTeX has as commands
+GREEK_LETTERS = frozenset(_GREEK_WORDS.split(" "))  # letters that LaTeX has as commands
 _MARKDOWN = {
     **{character: f"\\{character}" for character in "\\`*_[]{}|~$#!^"},
     **{"&": "&amp;", "<": "&lt;", ">": "&gt;"},
@@ -141,7 +141,7 @@ def _latex_character(character: str) -> str:
     if (name := unicodedata.name(character, "")).startswith("GREEK ") and " LETTER " in name:
         size, _, letter = name.removeprefix("GREEK ").partition(" LETTER ")
         word = letter.lower().replace("lamda", "lambda")
-        if (command := word.capitalize() if size == "CAPITAL" else word) in _GREEK:
+        if (command := word.capitalize() if size == "CAPITAL" else word) in GREEK_LETTERS:
             return f"\\ensuremath{{\\{command}}}"
     base, *marks = tuple(unicodedata.normalize("NFD", character))
     if base.isascii() and base.isalpha() and len(marks) == 1 and marks[0] in _ACCENTS:

@@ -42,12 +42,12 @@ def bare_context(robot: Robot, *, steps: bool = True, policy: SheetPolicy = POLI
     """What the parts of a handout in English are made from, without figures."""
     derivation = Derivation.STEPS if steps else Derivation.RESULT
     options = HandoutOptions(derivation=derivation, notation=NotationOptions(**notation))
-    return Context(ModelEntries(Model(robot)), options, Text(), "0.0.0", policy=policy)
+    return Context(ModelEntries(Model(robot)), options, Text(), policy=policy)
 
 
 def changed(context: Context, **changes: Any) -> Context:
     """What the parts of a handout are made from, with something else in it."""
-    given = {name: getattr(context, name) for name in ("entries", "options", "text", "version", "poses", "policy")}
+    given = {name: getattr(context, name) for name in ("entries", "options", "text", "poses", "policy")}
     return Context(**(given | changes))
 
 
@@ -55,7 +55,7 @@ def document_of(context: Context, parts: Iterable[str]) -> Document:
     """A sheet of some parts, as far as the robot has them."""
     found = (section_of(context, part) for part in parts)
     sections = tuple(section for section in found if section is not None)
-    return Document("Arm", "", context.robot.name, "en", "0" * 64, "0.0.0", "", sections)
+    return Document("Arm", "", context.robot.name, "0" * 64, "", sections)
 
 
 def words(section: Section) -> str:

@@ -205,7 +205,7 @@ def test_what_no_line_holds_becomes_smaller_or_stands_row_by_row(tmp_path: Path)
     cells = tuple(f"a long cell {k}" for k in range(12))
     product = "\\begin{bmatrix} " + " & ".join(["aaaa"] * 8) + " \\end{bmatrix} x"
     blocks = (Paragraph("Words."), Table(cells, (cells, cells)), Rows((product, "x = a \\qquad y = b")))
-    text = fragment(Section("", "", blocks), Text(), name="all", robot="bar", version="0")
+    text = fragment(Section("", "", blocks), Text(), name="all", robot="bar")
     (tmp_path / "fragment-1.tex").write_text(text)
     for document_class in ("[12pt,twocolumn]{article}", "[10pt]{article}"):
         assert_fits([text], document_class, tmp_path)

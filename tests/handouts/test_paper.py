@@ -25,6 +25,7 @@ from derive.robot.options.handout import (
     SliderLetter,
 )
 from derive.robot.robot import Robot
+from derive.version import __version__
 from tests.handouts.latex_runner import run_clean, run_latex
 from tests.handouts.parts.test_kinematics import numbered
 from tests.random_robots import chains, robot_text, sampled, seeds, swept_catalogue
@@ -101,7 +102,7 @@ def read(sheet: Document, text: Text, folder: Path) -> str:
     command = ["pdftotext", "-layout", "sheet.pdf", "-"]
     done = subprocess.run(command, cwd=folder, capture_output=True, check=True, timeout=60)
     lines = done.stdout.decode().splitlines()
-    return "\n".join(line for line in lines if not line.strip().startswith(f"derive {sheet.version}"))
+    return "\n".join(line for line in lines if not line.strip().startswith(f"derive {__version__}"))
 
 
 @pytest.mark.parametrize(
@@ -170,7 +171,7 @@ def test_what_is_announced_is_on_the_page_of_its_sentence(case: str, tmp_path: P
     for rows in (30, 34, 38, 42):
         filling = Rows(tuple(f"a_{{{k}}} = b" for k in range(rows)))
         sections = (Section("table", "Table", (filling, Paragraph("Text."), *ANNOUNCED[case])),)
-        text = pages_of(Document("Bar", "", "bar", "en", "0", "0", "", sections), Text(), tmp_path)
+        text = pages_of(Document("Bar", "", "bar", "0", "", sections), Text(), tmp_path)
         (sentence,) = (k for k, page in enumerate(text) if "SENTENCE" in page)
         assert "NEXT" in text[sentence]
         found.add(sentence)

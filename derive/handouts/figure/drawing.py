@@ -6,9 +6,12 @@ of plain characters.
 """
 
 import re
+import unicodedata
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import TypeAlias
+
+from derive.targets.escape import GREEK_LETTERS
 
 Point: TypeAlias = tuple[float, float]
 Color: TypeAlias = tuple[float, float, float]  # red, green and blue from 0 to 1
@@ -17,16 +20,11 @@ BLACK: Color = (0.0, 0.0, 0.0)
 LABEL_SIZE = 9.0  # size of the letters of a label [pt]
 SCRIPT_SIZE = 6.5  # size of subscripts and superscripts [pt]
 LABEL_HEIGHT = 9.0  # height of a label with a subscript [pt]
-# LaTeX command without its backslash -> letter.
+# LaTeX command without its backslash -> letter; what TeX calls epsilon and phi are symbols apart in Unicode.
 GREEK = {
-    "alpha": "\N{GREEK SMALL LETTER ALPHA}", "beta": "β", "gamma": "\N{GREEK SMALL LETTER GAMMA}", "delta": "δ",
-    "epsilon": "ϵ", "varepsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ", "vartheta": "ϑ",
-    "iota": "\N{GREEK SMALL LETTER IOTA}", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "\N{GREEK SMALL LETTER NU}",
-    "xi": "ξ", "pi": "π", "rho": "\N{GREEK SMALL LETTER RHO}", "sigma": "\N{GREEK SMALL LETTER SIGMA}", "tau": "τ",
-    "upsilon": "\N{GREEK SMALL LETTER UPSILON}", "phi": "ϕ", "varphi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω",
-    "Gamma": "Γ", "Delta": "Δ", "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ",
-    "Upsilon": "\N{GREEK CAPITAL LETTER UPSILON}", "Phi": "Φ", "Psi": "Ψ", "Omega": "Ω",
-}  # fmt: skip
+    name: unicodedata.lookup(f"GREEK {'SMALL' if name.islower() else 'CAPITAL'} LETTER {name.replace('mbda', 'mda')}")
+    for name in GREEK_LETTERS
+} | {"epsilon": "ϵ", "varepsilon": "ε", "vartheta": "ϑ", "phi": "ϕ", "varphi": "φ"}
 _SYMBOLS = {"cdot": "·", "ldots": "…", "circ": "°", "equiv": "≡", "times": "\N{MULTIPLICATION SIGN}", "sqrt": "√"}
 _SPACES = {",": "\N{THIN SPACE}", ";": " ", " ": " ", "quad": "  ", "!": ""}
 _STYLES = {"mathrm": "upright", "text": "upright", "mathtt": "mono", "operatorname": "upright"}

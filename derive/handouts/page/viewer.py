@@ -12,9 +12,7 @@ from dataclasses import asdict, dataclass, replace
 from functools import cache
 from importlib.resources import files
 
-import mpmath
 import numpy as np
-import sympy
 
 from derive.arrays import Array
 from derive.handouts.figure.drawing import label_runs
@@ -25,10 +23,9 @@ from derive.handouts.page.player import Playback, html_messages, player_texts
 from derive.handouts.parts.inverse_words import branch_name
 from derive.handouts.sheet.language import Text
 from derive.inverse.closed.solve import solve
-from derive.inverse.words.elementary import Numbers
 from derive.inverse.words.postures import postures
-from derive.inverse.words.solutions import ArrayDomain
 from derive.mechanics.chain import build_chain
+from derive.mechanics.floats import FloatDomain
 from derive.mechanics.forward_kinematics import jacobian
 from derive.programs.program import Program
 from derive.robot import tree
@@ -306,8 +303,7 @@ def dragging(robot: Robot, numbers: Mapping[str, float]) -> Dragging | None:
 def _jacobian(robot: Robot, numbers: Mapping[str, float], q: Array) -> Array:
     """(6, n), lengths in parts of the largest one."""
     bare = replace(robot, links=(), gravity=None)
-    known: Numbers = {sympy.Symbol(name): mpmath.mpf(value) for name, value in numbers.items()}
-    rows = np.array(jacobian(build_chain(bare, ArrayDomain(bare, list(q), known))), dtype=float)
+    rows = np.array(jacobian(build_chain(bare, FloatDomain(bare, q.tolist(), numbers))))
     rows[:3] /= float(np.abs(rows[:3]).max()) or 1.0
     return rows
 

@@ -21,6 +21,7 @@ from derive.handouts.sheet.language import Text
 from derive.handouts.sheet.latex_writer import omitted_words
 from derive.targets import templating
 from derive.targets.escape import html_text
+from derive.version import __version__
 
 _SCRIPT_END = re.compile(r"<(?=/script|!--|script)", re.IGNORECASE)
 _STYLE_END = re.compile(r"<(?=/style)", re.IGNORECASE)
@@ -46,11 +47,11 @@ def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> 
         footer=_words(document.footer),
         name=html_text(document.name),
         digest=html_text(document.digest),
-        version=html_text(document.version),
+        version=html_text(__version__),
     )
     return templating.render(
         "page/page.html.jinja",
-        language=html_text(document.language),
+        language=html_text(text.language),
         title=html_text(document.title or document.name),
         style="\n".join((formula_style(), templating.render("page/style.css.jinja"))),
         script=templating.render("page/page.js.jinja"),

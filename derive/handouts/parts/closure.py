@@ -50,7 +50,7 @@ def closure(context: Context) -> Iterator[Block]:
 def _loop(context: Context, one: LoopClosure, name: str) -> Iterator[Block]:
     """One loop: its unknown joints as an arm, what is known of the pose of that arm, and the solution."""
     entries = ModelEntries(Model(one.inverse.robot))
-    own = Context(entries, context.options, context.text, context.version, None, context.policy, context, name)
+    own = Context(entries, context.options, context.text, None, context.policy, context, name)
     part = InversePart(own, one.inverse)
     writer = part.writer
     if one.surfaces:

@@ -17,6 +17,7 @@ from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Block, Document, Figure, Paragraph, Rows, Section, Steps, Table
 from derive.plans.profile import MOST_PRINTED, VALUES, Profile, basis
 from derive.plans.segments import Segment, SegmentPeaks, formula
+from derive.version import __version__
 
 UNIT = Symbol("u")  # time since a piece began, in units of its length
 HAND_SPLINE = "spline of the hand"  # what a spline of the end effector is called among the profiles
@@ -46,10 +47,8 @@ def plan_sheet(context: Context, title: str, digest: str, sections: tuple[Sectio
         title=title,
         subtitle=_("Motion plan"),
         name=context.robot.name,
-        language=_.language,
         digest=digest,
-        version=context.version,
-        footer=_("derive %(version)s, motion plan `%(digest)s`", version=context.version, digest=digest[:16]),
+        footer=_("derive %(version)s, motion plan `%(digest)s`", version=__version__, digest=digest[:16]),
         sections=sections,
     )
 

@@ -35,14 +35,13 @@ class Context:
         entries: ModelEntries,  # its closed forms, entry by entry
         options: HandoutOptions,  # what the handout shows
         text: Text,  # translates messages
-        version: str,  # version of the tool
         poses: RobotPoses | None = None,  # where its frames are, for figures; None where nothing is drawn
         policy: SheetPolicy = POLICY,  # how much is printed
         whole: "Context | None" = None,  # of the serial arm that leads to an end of a tree: the tree
         end: str = "",  # and the name of that end
         places: tuple[int, ...] = (),  # and the joints of the tree that the arm has, from 0
     ) -> None:
-        self.entries, self.options, self.text, self.version = entries, options, text, version
+        self.entries, self.options, self.text = entries, options, text
         self.poses, self.policy = poses, policy
         robot = self.robot = entries.robot
         self.whole, self.end, self.places = whole or self, end, places or tuple(range(robot.n))
@@ -63,8 +62,8 @@ class Context:
         found = []
         for name in (end.name for end in self.robot.ends if end.name):
             arm, places = self.entries.model.arm(name)
-            poses, whole = self.poses and poses_of(arm.robot), (self.options, self.text, self.version)
-            found.append(Context(ModelEntries(arm), *whole, poses, self.policy, self, name, places))
+            given = self.options, self.text, self.poses and poses_of(arm.robot), self.policy
+            found.append(Context(ModelEntries(arm), *given, self, name, places))
         return tuple(found) or (self,)
 
     def name(self, label: str) -> Box:

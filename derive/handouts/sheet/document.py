@@ -126,9 +126,7 @@ class Document:
     title: str  # the robot's title: the user's text, to be escaped whole, dollars and backticks included
     subtitle: str  # what kind of sheet it is, such as an exercise
     name: str  # the robot's name
-    language: str  # code of the language, such as ``it``
     digest: str  # SHA-256 of the robot file
-    version: str  # version of the tool
     footer: str  # one line for every page
     sections: tuple[Section, ...]  # the parts, in their order
     form: tuple[str, ...] = ()  # words of a line to be filled in, such as that for a name; empty for none

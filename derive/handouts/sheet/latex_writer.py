@@ -12,6 +12,7 @@ from derive.handouts.sheet import document as sheet
 from derive.handouts.sheet.language import Text
 from derive.targets.escape import latex_text
 from derive.targets.templating import environment
+from derive.version import __version__
 
 _LONGEST_WORD = 16  # letters of a title's word after which a line may be broken: no line holds forty
 _DISPLAY, _DISPLAY_END = "\\begin{align*}", "\\end{align*}"
@@ -35,7 +36,7 @@ def latex(document: sheet.Document, text: Text) -> str:
         sections.append({"title": latex_words(part.title), "blocks": _joined(part.blocks, text), "stays": is_short})
     source = latex_template("document.tex.jinja").render(
         name=document.name,
-        version=document.version,
+        version=__version__,
         digest=document.digest,
         title=" ".join("\\allowbreak{}".join(map(latex_text, word)) for word in words),
         subtitle=latex_words(document.subtitle),

@@ -26,6 +26,7 @@ from derive.plans.segments import Payload
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.targets.kernel import JAVASCRIPT
+from derive.version import __version__
 
 DRAWN = 361  # times at which curves are drawn on paper
 PARTS = ("table", "parameters")  # what of the robot's own handout stands on the page
@@ -44,7 +45,7 @@ _Rows = tuple[tuple[Formula, ...], ...]  # of a transform
 def motion_page(motion: Motion, run: Run | None = None) -> str:
     """The page of a motion."""
     context = context_of(motion.plan.robot)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {context.version} -->"
+    mark = f"<!DOCTYPE html>\n<!-- written by derive {__version__} -->"
     html = page(_sheet(motion, context), context.text, motion_figure(motion, context, run))
     return html.replace("<!DOCTYPE html>", mark, 1)
 

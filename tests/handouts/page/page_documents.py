@@ -69,7 +69,7 @@ def blocks() -> tuple[Block, ...]:
 
 def document(*extra: Section, title: str = TITLE) -> Document:
     sections = (Section("inertia", "Inertia matrix $B(q)$", blocks()), *extra)
-    return Document(title, "Exercise", "hostile", "it", "ab" * 32, "9.9.9", "derive 9.9.9 `abab`", sections)
+    return Document(title, "Exercise", "hostile", "ab" * 32, "derive 9.9.9 `abab`", sections)
 
 
 FRAME = """<!DOCTYPE html>

@@ -241,7 +241,7 @@ class Reader(HTMLParser):
 
 @pytest.fixture(scope="module")
 def html() -> str:
-    return page(document(), Text())
+    return page(document(), Text("it"))
 
 
 @pytest.fixture(scope="module")
@@ -286,7 +286,7 @@ def test_every_formula_stands_in_the_page_as_its_latex_and_entries_can_be_copied
 
 
 def test_the_page_is_the_same_each_time_its_texts_translated_and_the_figure_in_it(html: str) -> None:
-    assert page(document(), Text()) == html
+    assert page(document(), Text("it")) == html
     assert "Copia LaTeX" in page(document(), Text("it", {"Copy LaTeX": "Copia LaTeX"}))
     viewer = Viewer("<div id=arm></div>", "#arm{color:red}", 'var arm = "</script>";')
     html = page(document(), Text(), viewer)

@@ -47,7 +47,7 @@ TITLES = [
 
 
 def section_source(blocks: tuple[Block, ...]) -> str:
-    document = Document("Bar", "", "bar", "en", "0", "0", "", (Section("table", "Table", blocks),))
+    document = Document("Bar", "", "bar", "0", "", (Section("table", "Table", blocks),))
     return latex(document, Text()).partition("\\section*")[2]
 
 
@@ -178,7 +178,7 @@ def test_a_section_of_one_sentence_does_not_stand_alone_on_a_page(tmp_path: Path
         last = Rows((page_of("display"),))
         ending = Section("example", "Example", (Paragraph(f"A sentence ${page_of('sentence')}$."),))
         sections = (Section("table", "Table", (filling, Paragraph("Then:"), last)), ending)
-        log = run_latex(latex(Document("Bar", "", "bar", "en", "0", "0", "", sections), Text()), tmp_path)
+        log = run_latex(latex(Document("Bar", "", "bar", "0", "", sections), Text()), tmp_path)
         display, sentence = (re.search(rf"{mark} on (\d)", log.text) for mark in ("display", "sentence"))
         assert display[1] == sentence[1]
         pages.add(sentence[1])
@@ -190,7 +190,7 @@ LONG = SheetFormula((Rows(("a = b",) * 40),), function="jacobian", blanks=("a",)
 
 def made_of(**sections: tuple[object, ...]) -> Document:
     made = (Section(name.replace("_", "-"), name.title(), blocks) for name, blocks in sections.items())
-    return Document("Bar", "", "bar", "en", "0", "0", "", tuple(made))  # type: ignore[arg-type]
+    return Document("Bar", "", "bar", "0", "", tuple(made))  # type: ignore[arg-type]
 
 
 def section_named(document: Document, part: str) -> Section:
