@@ -176,7 +176,7 @@ def _wanted(model: Model, arguments: argparse.Namespace) -> list[str]:
 def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None, printer: Printer) -> Any:
     """A quantity as lines; for JSON a matrix by rows, a scalar as text, everything else by its parts."""
     if not hasattr(value, "free_symbols"):  # no expression and no matrix; inverse kinematics takes long to import
-        from derive.handouts.notation import derivation, singularities
+        from derive.handouts.notation import derivation
         from derive.handouts.notation.notation import Notation
         from derive.handouts.notation.printer import TextPrinter
         from derive.handouts.parts.closure import closure_lines, closure_parts
@@ -201,15 +201,15 @@ def _written(robot: Robot, form: str, name: str, value: Any, digits: int | None,
                     derivation.workspace_parts(value) if as_json else derivation.workspace_lines(value, form, notation)
                 )
             case Aspects() if as_json:
-                return singularities.aspects_parts(value)
+                return derivation.aspects_parts(value)
             case Aspects():
-                return singularities.aspects_text(value, TextPrinter(robot, notation).doprint, digits)
+                return derivation.aspects_text(value, TextPrinter(robot, notation).doprint, digits)
             case Decoupling():
                 return value.parts(printer) if as_json else value.lines(printer)
             case Singularities() if as_json:
-                return singularities.singularities_parts(value, printer)
+                return derivation.singularities_parts(value, printer)
             case Singularities():
-                return singularities.singularities_lines(value, name, form, printer)
+                return derivation.singularities_lines(value, name, form, printer)
     if form != "json":
         return _lines(form, name, value, printer)
     return printer(value) if (rows := _entries(value, printer)) is None else rows

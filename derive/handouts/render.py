@@ -24,7 +24,7 @@ from derive.handouts.sheet.budget import within
 from derive.handouts.sheet.context import Context, component_namer, entry_namer, formula, unlisted
 from derive.handouts.sheet.document import Document, Section
 from derive.handouts.sheet.language import Text
-from derive.handouts.sheet.latex_writer import latex, latex_words, macros, omitted_words
+from derive.handouts.sheet.latex_writer import latex, latex_words, macro, omitted_words
 from derive.model.entries import expanded_terms, of_matrix
 from derive.model.quantities import REGISTRY, Quantity
 from derive.model.quantity_names import parse, pick
@@ -244,6 +244,7 @@ def _called(context: Context, name: str, indices: tuple[int, ...]) -> tuple[Box,
 # -- as LaTeX
 
 _WIDEST = 10  # columns that amsmath's matrices have unless told otherwise
+_macro = partial(macro, "fragment.tex.jinja")
 
 
 def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, width: str = "") -> str:
@@ -265,10 +266,6 @@ def fragment(section: sheet.Section, text: Text, *, name: str, robot: str, width
         has_tables=any(isinstance(block, sheet.Table) for block in blocks),
     )
     return heading + written + _macro("ending")
-
-
-def _macro(macro: str, **values: object) -> str:
-    return str(getattr(macros("fragment.tex.jinja"), macro)(**values))
 
 
 def _words(text: str) -> str:

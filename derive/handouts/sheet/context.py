@@ -18,7 +18,7 @@ from derive.handouts.notation.symbols import Symbols
 from derive.handouts.sheet.document import Block, Entry, Paragraph, Rows, SheetFormula
 from derive.handouts.sheet.dynamics import DynamicsLayout
 from derive.handouts.sheet.language import Text
-from derive.handouts.sheet.latex_writer import macros
+from derive.handouts.sheet.latex_writer import macro
 from derive.model.entries import Entries, ModelEntries
 from derive.robot import tree
 from derive.robot.description import Convention
@@ -210,7 +210,7 @@ def body_formulas(
 def textbook(name: str, **values: object) -> Rows:
     """A formula as textbooks print it, such as c_ijk by the derivatives of B."""
     lines: list[str] = []
-    for line in getattr(macros("textbook.tex.jinja"), name)(**values).splitlines():
+    for line in macro("textbook.tex.jinja", name, **values).splitlines():
         if line.startswith(" "):
             lines[-1] += f" {line.strip()}"
         elif line:

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
-from jinja2.environment import Template, TemplateModule
+from jinja2.environment import Template
 
 from derive.handouts.figure.writers import latex_drawing
 from derive.handouts.layout.lines import displays
@@ -76,10 +76,9 @@ def latex_template(name: str) -> Template:
     return marks.get_template(f"handout/{name}")
 
 
-@cache
-def macros(name: str) -> TemplateModule:
-    """The macros of a template of LaTeX."""
-    return latex_template(name).module
+def macro(template: str, name: str, /, **values: object) -> str:
+    """What a macro of a template of LaTeX writes."""
+    return str(getattr(latex_template(template).module, name)(**values))
 
 
 def latex_words(text: str) -> str:
@@ -172,4 +171,4 @@ def _gap(gap: sheet.Gap) -> str:
 
 
 def _macro(name: str, **values: object) -> str:
-    return str(getattr(macros("blocks.tex.jinja"), name)(**values)).removesuffix("\n")
+    return macro("blocks.tex.jinja", name, **values).removesuffix("\n")

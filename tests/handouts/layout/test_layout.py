@@ -29,7 +29,7 @@ from derive.handouts.notation.pieces import Box, Break, TexPiece, concatenate, i
 from derive.handouts.notation.printer import LatexPrinter
 from derive.handouts.sheet.context import Context, component_namer, entry_namer, formula, side_by_side, textbook
 from derive.handouts.sheet.document import Paragraph, Rows, Section, Steps, blocks_of, spans
-from derive.handouts.sheet.latex_writer import macros
+from derive.handouts.sheet.latex_writer import latex_template
 from derive.model.entries import Entries, of_matrix
 from derive.robot.robot import Robot
 from derive.targets.templating import template_folder
@@ -224,15 +224,15 @@ def test_what_is_left_out_is_said_and_entries_are_copied_as_latex_and_python(con
 
 
 FOLDER = Path(str(template_folder())) / "handout"
-TEMPLATE = "textbook.tex.jinja"
-NAMES = [name for name in dir(macros(TEMPLATE)) if not name.startswith("_")]
+MACROS = latex_template("textbook.tex.jinja").module
+NAMES = [name for name in dir(MACROS) if not name.startswith("_")]
 FLAGS = ("rotors", "armatures", "friction", "revolute", "prismatic")
 
 
 @pytest.mark.parametrize("flag", [True, False])
 @pytest.mark.parametrize("name", NAMES)
 def test_every_formula_is_balanced(name: str, flag: bool) -> None:
-    names = getattr(macros(TEMPLATE), name).arguments
+    names = getattr(MACROS, name).arguments
     given = {argument: ("word" if flag else "") if argument in FLAGS else "X" for argument in names}
     lines = textbook(name, **given).lines
     assert lines or (name == "link_jacobians" and not flag)

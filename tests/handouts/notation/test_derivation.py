@@ -6,10 +6,17 @@ from fractions import Fraction
 import pytest
 import sympy
 
-from derive.handouts.notation.derivation import derivation_lines, workspace_lines, workspace_parts
+from derive.handouts.notation.derivation import (
+    aspects_parts,
+    aspects_text,
+    derivation_lines,
+    singularities_lines,
+    singularities_parts,
+    workspace_lines,
+    workspace_parts,
+)
 from derive.handouts.notation.notation import Notation
 from derive.handouts.notation.printer import PlainPrinter, TextPrinter
-from derive.handouts.notation.singularities import aspects_parts, aspects_text, singularities_lines, singularities_parts
 from derive.handouts.notation.solution_printer import SignLatexPrinter, with_names, with_signs
 from derive.inverse.closed.solve import solve
 from derive.inverse.words.reach import Reach
