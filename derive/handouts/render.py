@@ -104,9 +104,7 @@ def handout_files(
             from derive.handouts.page.writer import page
 
             figure = addition[1](context) if addition else _arm(context)
-            mark = f"<!DOCTYPE html>\n<!-- written by derive {__version__} -->"
-            html = page(made_from(whole), context.text, figure).replace("<!DOCTYPE html>", mark, 1)
-            files[f"{name}.html"] = html.encode()
+            files[f"{name}.html"] = page(made_from(whole), context.text, figure, is_marked=True).encode()
     return Handout(files, pages, tuple(section.part for section in whole.sections), shortened)
 
 

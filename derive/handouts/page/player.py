@@ -29,8 +29,8 @@ class PlayedPiece:
     kind: str  # ``hermite``, ``cosine`` or ``curve``
     start: float  # time of its first end [s]
     duration: float  # its length [s]
-    values: tuple[float, ...] = ()  # position, velocity, ... at the first end, then at the second; nothing of a curve
-    formulas: tuple[Formula, ...] = ()  # position, velocity and acceleration of a curve as trees in t; else nothing
+    # Position, velocity, ... at the first end, then at the second; of a curve these three as trees in t.
+    values: tuple[Formula, ...]
 
 
 # The way from one point to the next: its name ``rest -> A``, when it begins [s], columns of the regressor with the
@@ -117,7 +117,7 @@ def _joined(track: Sequence[PlayedPiece], grids: list[_Grid]) -> list[list[Any]]
             runs.append([piece])
     for run in runs:
         if len(run) < FEWEST:
-            entries += ([piece.kind, piece.start, piece.duration, *(piece.values or piece.formulas)] for piece in run)
+            entries += ([piece.kind, piece.start, piece.duration, *piece.values] for piece in run)
             continue
         times = [*(piece.start for piece in run), run[-1].start + run[-1].duration]
         lengths = [piece.duration for piece in run]

@@ -29,8 +29,8 @@ _FONT_FACE = re.compile(r"(@font-face\{[^}]*?src:url\(fonts/([\w-]+\.woff2)\)[^}
 _FONT_SOURCES = re.compile(r"src:[^;}]*")
 
 
-def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> str:
-    """The document as a web page, with a figure that the reader moves where there is one."""
+def page(document: sheet.Document, text: Text, viewer: Viewer | None = None, *, is_marked: bool = False) -> str:
+    """The document as a web page, with a figure that the reader moves, and a mark of who wrote it, where wanted."""
     sections = [
         {"anchor": html_text(section.anchor), "title": _words(section.title), "body": _blocks(section.blocks, text)}
         for section in document.sections
@@ -51,6 +51,7 @@ def page(document: sheet.Document, text: Text, viewer: Viewer | None = None) -> 
     )
     return templating.render(
         "page/page.html.jinja",
+        version=html_text(__version__) if is_marked else "",
         language=html_text(text.language),
         title=html_text(document.title or document.name),
         style="\n".join((formula_style(), templating.render("page/style.css.jinja"))),

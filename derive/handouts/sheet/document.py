@@ -132,14 +132,12 @@ class Document:
     form: tuple[str, ...] = ()  # words of a line to be filled in, such as that for a name; empty for none
 
 
-def blocks_of(section: Section) -> Iterator[Block]:
+def blocks_of(section: Section | Steps) -> Iterator[Block]:
     """All blocks of a section, those inside of steps included."""
-    pending = list(reversed(section.blocks))
-    while pending:  # a stack, the next block on top
-        block = pending.pop()
+    for block in section.blocks:
         yield block
         if isinstance(block, Steps):
-            pending += reversed(block.blocks)
+            yield from blocks_of(block)
 
 
 def gap_rows(gaps: Sequence[Gap]) -> list[tuple[Gap, ...]]:

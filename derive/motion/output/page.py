@@ -21,17 +21,17 @@ from derive.motion.motion import Motion
 from derive.motion.output.code import Kernel
 from derive.motion.output.film import motion_normal
 from derive.motion.simulation.simulation import Run
-from derive.plans.profile import TIME, Curve, Piece, basis
+from derive.plans.profile import TIME, AnyPiece, Cosine, Curve, Piece, basis
 from derive.plans.segments import Payload
 from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.targets.kernel import JAVASCRIPT
-from derive.version import __version__
 
 DRAWN = 361  # times at which curves are drawn on paper
 PARTS = ("table", "parameters")  # what of the robot's own handout stands on the page
 OPERATIONS: dict[type[Expr], str] = {Add: "add", Mul: "multiply", Pow: "power", Abs: "abs"}  # as the page calls them
 OPERATIONS |= {function: function.__name__ for function in (sin, cos, tan, sign, atan2, atan)}
+KINDS: dict[type[AnyPiece], str] = {Piece: "hermite", Cosine: "cosine", Curve: "curve"}  # likewise
 SAMPLES = 1001  # times at which the ranges of the joints are looked for
 # Of a motion on the page, about 1.5 megabytes, half of them where a simulation has the other half. Of a longer
 # simulation every second row, every third, ...; of a longer motion as many places.
@@ -45,9 +45,7 @@ _Rows = tuple[tuple[Formula, ...], ...]  # of a transform
 def motion_page(motion: Motion, run: Run | None = None) -> str:
     """The page of a motion."""
     context = context_of(motion.plan.robot)
-    mark = f"<!DOCTYPE html>\n<!-- written by derive {__version__} -->"
-    html = page(_sheet(motion, context), context.text, motion_figure(motion, context, run))
-    return html.replace("<!DOCTYPE html>", mark, 1)
+    return page(_sheet(motion, context), context.text, motion_figure(motion, context, run), is_marked=True)
 
 
 def motion_figure(motion: Motion, context: Context, run: Run | None = None) -> Viewer:
@@ -135,12 +133,11 @@ def _tracks(motion: Motion, room: int) -> tuple[tuple[tuple[PlayedPiece, ...], .
     joints, segments = range(motion.plan.robot.dof), motion.trajectory.segments
     tracks: list[list[PlayedPiece]] = [[] for _ in joints]
     for piece, track in ((piece, tracks[j]) for segment in segments for j in joints for piece in segment.joints[j]):
-        start, duration = float(piece.start), float(piece.duration)
         if isinstance(piece, Curve):
-            track.append(PlayedPiece("curve", start, duration, formulas=tuple(map(tree, piece.formulas))))
+            values: tuple[Formula, ...] = tuple(map(tree, piece.formulas))
         else:
-            kind = "hermite" if isinstance(piece, Piece) else "cosine"
-            track.append(PlayedPiece(kind, start, duration, tuple(float(x) for end in piece.values for x in end)))
+            values = tuple(float(x) for end in piece.values for x in end)
+        track.append(PlayedPiece(KINDS[type(piece)], float(piece.start), float(piece.duration), values))
     if sum(len(piece.values) // 2 for track in tracks for piece in track) <= room:
         return tuple(map(tuple, tracks)), 0
     places = room // (2 * len(joints))

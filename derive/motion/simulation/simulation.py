@@ -241,7 +241,7 @@ def stages_of(
     arm = link.robot if link else bare
     keeps = (period or control.law == "none") and (not coulomb.any() or (period and plan.friction == "smooth"))
     # Steps in C for torques that are held, where dry friction is smooth or there is none.
-    held = held_arm(arm, known, expected) if keeps and added is None and not robot.coupled else None
+    held = held_arm(arm, expected) if keeps and added is None and not robot.coupled else None
     functions = Functions(arm, needed, known, calls=expected / (CALLS_PER_LOOK if held and calls is None else 1))
     kp, kd = (np.array([evaluate(gain, values) for gain in row]) for row in (control.kp, control.kd))
 
@@ -260,7 +260,7 @@ def stages_of(
         base = replace(added, values=true).carrying(carried, plan.plant_payload) if added else None
         own = functions.given(actual)
         rows = rows_of(replace(robot, links=(), gravity=None), true, own) if robot.coupled else None
-        plant = Plant(own, viscous, coulomb, push, held.given(actual) if held else None, base, rows)
+        plant = Plant(own, viscous, coulomb, push, held(actual) if held else None, base, rows)
         model = functions.given(_numbers(values, (carried,))) if NEEDS[control.law] else None
         known_inertial = added.single(carried) if added else None
         stages.append(Stage(start, plant, Controller(control.law, kp, kd, reference, model, known_inertial)))

@@ -199,15 +199,10 @@ class HeldArm:
     """Steps of an arm whose motors hold their torques."""
 
     def __init__(self, program: Program, library: _Library, values: Mapping[str, float]) -> None:
-        self._program, self._library = program, library
-        self._step = FIRST
+        self._library, self._step = library, FIRST
         self._constants = np.zeros(library.constant_count)
         params = np.array([float(values[name]) for name in program.parameters])
         library.constants(_pointer(params), _pointer(self._constants))
-
-    def given(self, values: Mapping[str, float]) -> HeldArm:
-        """The same arm with other numbers."""
-        return HeldArm(self._program, self._library, values)
 
     def __call__(self, plant: Plant, motors: Array, state: Array, span: tuple[float, float], times: Array) -> Steps:
         """A motion by DOP853 under torques of the motors, (n,), with the usual tolerance and smooth dry friction."""
@@ -224,12 +219,12 @@ class HeldArm:
         return rows[:count], Divergence(float(clock[0]), last[:n], last[n : 2 * n])
 
 
-def held_arm(robot: Robot, values: Mapping[str, float], evaluations: float) -> HeldArm | None:
-    """The arm in C; None where there is no compiler, or where it takes longer than it saves."""
+def held_arm(robot: Robot, evaluations: float) -> Callable[[Mapping[str, float]], HeldArm] | None:
+    """The arm in C, by its numbers; None where there is no compiler, or where it takes longer than it saves."""
     if evaluations * SAVED < COMPILING:
         return None
     bare = bare_robot(robot)
-    return None if (library := _compiled(bare)) is None else HeldArm(program_of(bare, NAMES), library, values)
+    return None if (library := _compiled(bare)) is None else partial(HeldArm, program_of(bare, NAMES), library)
 
 
 class _Library:

@@ -122,7 +122,7 @@ ARM = robot_of_rows("R a: 1 | P limits: [0, 1]")
 MOTION = Playback(
     tracks=(
         (PlayedPiece("cosine", 0.0, 2.0, (0.0, 4.0)),),
-        (PlayedPiece("curve", 0.0, 2.0, formulas=("t", 1.0, 0.0)),),
+        (PlayedPiece("curve", 0.0, 2.0, ("t", 1.0, 0.0)),),
     ),
     segments=(("a -> <b>", 0.0, ((3, 0.5),), 0),),
     basis={},

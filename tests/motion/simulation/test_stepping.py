@@ -156,9 +156,9 @@ def test_a_time_as_near_as_rounding_is_reached() -> None:
 def test_few_evaluations_are_not_worth_a_compiler_and_without_it_there_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     robot = Motion.from_text(HELD.replace("name: arm", "name: another")).plan.robot
     monkeypatch.setattr(stepping, "find_compiler", pytest.fail)
-    assert held_arm(robot, {}, 1000) is None
+    assert held_arm(robot, 1000) is None
     monkeypatch.setattr(stepping, "find_compiler", lambda: None)
-    assert held_arm(robot, {}, 1e9) is None
+    assert held_arm(robot, 1e9) is None
 
 
 SHORT = PICK_AND_PLACE.replace("time: 3", "time: 1/2").replace("friction: smooth", "friction: none")
