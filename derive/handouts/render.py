@@ -315,8 +315,9 @@ def _rows(lines: Iterable[str], text: Text, named: Sequence[str] = ()) -> str:
     for equation in whole_equations(lines):
         if (matrix := matrix_equation(equation)) is not None:
             entries = tuple(breakable(entry) for entry in named or matrix.entries())
-            is_half = matrix.is_symmetric and len(entries) < sum(cell != "0" for row in matrix.cells for cell in row)
-            note = _words(unlisted(text, is_half, matrix.has_zeros))
+            cells = [cell for row in matrix.cells for cell in row]
+            is_half = matrix.is_symmetric and len(entries) < len(cells) - cells.count("0")
+            note = _words(unlisted(text, is_half, "0" in cells))
             items.append(_macro("matrix", whole=equation, entries=entries, note=note).rstrip())
         else:
             items.append(f"\\whole{{{equation}}}%" if "\\begin" in equation else f"\\eq{{{breakable(equation)}}}%")

@@ -135,11 +135,6 @@ class MatrixEquation:
         """Whether the entries below the diagonal repeat those above."""
         return len(self.cells) > 1 and self.cells == tuple(zip(*self.cells, strict=True))
 
-    @property
-    def has_zeros(self) -> bool:
-        """Whether any entry is zero."""
-        return any(cell == "0" for row in self.cells for cell in row)
-
     def entries(self) -> list[str]:
         """Each entry that is not zero as an equation; of a symmetric matrix those above the diagonal alone."""
         names = "({})_{{{}}}" if len(self.cells[0]) == 1 else "({})_{{{}{}{}}}"

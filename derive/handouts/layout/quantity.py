@@ -57,7 +57,6 @@ class LaidOut:
     lines: tuple[str, ...]  # the matrix, or the entries one by one
     named: tuple[str, ...] = ()  # definitions of intermediate terms that the entries use
     omitted: tuple[str, ...] = ()  # entries left to the code, with their numbers of terms
-    by_entry: bool = False  # whether only the entries that are not zero are printed
     has_zeros: bool = False  # whether entries were left out because they are zero
     symmetric: bool = False  # whether entries below the diagonal were left out
     landscape: tuple[str, ...] = ()  # entries that are too long for an upright page, for one turned on its side
@@ -130,7 +129,6 @@ class Layouter:
             tuple(equation_lines(equations[k] for k in upright)),
             tuple(equation_lines(named)),
             tuple(pack(omitted(item, self.terms_word, comma=self.printer.notation.comma) for item in left)),
-            by_entry=True,
             has_zeros=not all(item.terms for item in items),
             symmetric=symmetric,
             landscape=tuple(equation_lines((equations[k] for k in turned), LANDSCAPE_WIDTH)),

@@ -249,12 +249,7 @@ def workspace_lines(reach: Reach, form: str, notation: Notation) -> list[str]:
         lines = [f"{write(line.symbol)} = {write(line.value)}" for line in reach.names]
         inside = " and ".join(comparison(bound, write, " <= ") for bound in reach.bounds)
         return [*lines, f"reached = {inside or True}"]
-    return workspace_text(reach, SignPrinter(found.robot, notation, pose_names(found)).doprint)
-
-
-def workspace_text(reach: Reach, write: Print) -> list[str]:
-    """The workspace as plain text."""
-    found = reach.inverse
+    write = SignPrinter(found.robot, notation, pose_names(found)).doprint
     count = f"{found.count} solution{'s' if found.count != 1 else ''}"
     variables = " and ".join(map(write, reach.others))
     if not reach.bounds:

@@ -172,15 +172,6 @@ def _matrix(context: Context, symbol: Box, rows: Values, function: str, task: st
     return SheetFormula((Rows(tuple(lines)),), (), (), note, function, lambda: entries, task, (symbol.tex,))
 
 
-def numbers_of(robot: Robot) -> dict[str, float]:
-    """Every symbol that has a number, from the parameters or for the figure."""
-    found: dict[str, float] = {}
-    for name, value in (*robot.parameters, *robot.figure.values):
-        if name not in found:
-            found[name] = evaluate(value, found)
-    return found
-
-
 def _unnumbered(robot: Robot) -> tuple[str, ...]:
     known = {name for name, _ in (*robot.parameters, *robot.figure.values)}
     return tuple(name for name in robot_symbols(robot) if name not in known)
@@ -188,7 +179,8 @@ def _unnumbered(robot: Robot) -> tuple[str, ...]:
 
 def configuration(robot: Robot) -> tuple[Sequence[Expression], tuple[float, ...]]:
     """Where the example is evaluated: values of the joint variables, exact and in floats [rad or m]."""
-    values, cells = numbers_of(robot), list(robot.figure.q or ())
+    values = {name: evaluate(value, {}) for name, value in (*robot.figure.values, *robot.parameters)}
+    cells = list(robot.figure.q or ())
     for i, joint in enumerate(() if cells else robot.variables):
         sixths = Number(Fraction(ANGLES[i % len(ANGLES)], 6))
         cell: Expression = Product((sixths, Pi())) if joint.is_revolute else _DISPLACEMENT

@@ -136,7 +136,7 @@ def formula(context: Context, laid_out: LaidOut, function: str = "", task: str =
         rows=tuple(rows),
         named=laid_out.named,
         omitted=laid_out.omitted,
-        note=unlisted(context.text, laid_out.symmetric, laid_out.has_zeros) if laid_out.by_entry else "",
+        note=unlisted(context.text, laid_out.symmetric, laid_out.has_zeros),
         function=function,
         entries=lambda: [Entry(name.tex, context.printer.latex(e), python(e)) for name, e in laid_out.values],
         task=task,

@@ -51,8 +51,7 @@ class DynamicsLayout:
             if not energy.terms(1, 1):
                 return LaidOut((box.tex + " = 0",), blanks=(box.tex,))
             item = Item(box, energy.terms(1, 1), lambda: energy.entry(1, 1))
-            laid_out = self.layouter.entries([item], group=group, limit=self.layouter.policy.grouped_terms)
-            return replace(laid_out, by_entry=False)
+            return self.layouter.entries([item], group=group, limit=self.layouter.policy.grouped_terms)
         rate = f"\\dot{{\\mathbf{{{symbols.inertia_letter}}}}}(\\mathbf{{q}}, \\dot{{\\mathbf{{q}}}})"
         rows: dict[str, tuple[Box, Namer, int]] = {
             "B": (self.inertia_symbol, entry, Group.B),
@@ -112,7 +111,7 @@ class DynamicsLayout:
             if size <= self.layouter.policy.flat_terms:
                 values.append((namer(*place), self.entries.rate_value(terms)))
         lines, blanks = tuple(equation_lines(equations)), (self._rate_symbol(name).tex,)
-        return LaidOut(lines, by_entry=True, has_zeros=len(equations) < n**2, values=tuple(values), blanks=blanks)
+        return LaidOut(lines, has_zeros=len(equations) < n**2, values=tuple(values), blanks=blanks)
 
     def named_torque(self) -> LaidOut:
         """Each equation of motion by entries of B, Christoffel symbols, g and friction."""

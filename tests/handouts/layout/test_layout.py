@@ -120,7 +120,7 @@ def test_brackets_that_entries_share_get_a_name_which_stands_for_them() -> None:
     shared = sympy.Add(A, B, C, evaluate=False)
     rows = [[sympy.Mul(sin(X), shared, evaluate=False), sympy.Mul(cos(X), shared, evaluate=False)]]
     found = layouter(matrix_terms=0).lay_out(italic("T"), place_name, entries_of(rows))
-    assert found.by_entry
+    assert "bmatrix" not in "".join(found.lines)
     assert len(found.named) == 1
     assert found.named[0].startswith("u_{1} = ")
     assert " ".join(found.lines).count("u_{1}") == 2
@@ -212,11 +212,11 @@ def test_components_of_a_vector_have_one_index() -> None:
 
 
 def test_what_is_left_out_is_said_and_entries_are_copied_as_latex_and_python(context: Context) -> None:
-    plain = LaidOut(("P = 0",), by_entry=True)
+    plain = LaidOut(("P = 0",))
     assert formula(context, plain).note == ""
-    sparse = LaidOut(("P = 0",), by_entry=True, has_zeros=True)
+    sparse = LaidOut(("P = 0",), has_zeros=True)
     assert formula(context, sparse).note == "Entries that are not listed are zero."
-    symmetric = LaidOut(("P = 0",), by_entry=True, has_zeros=True, symmetric=True)
+    symmetric = LaidOut(("P = 0",), has_zeros=True, symmetric=True)
     assert formula(context, symmetric).note.startswith("The matrix is symmetric; ")
     laid_out = LaidOut(("P = c_{1}",), values=((P, sympy.cos(q1)),))
     (entry,) = formula(context, laid_out).entries()

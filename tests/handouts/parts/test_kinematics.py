@@ -15,7 +15,7 @@ from sympy import Expr, Float, Integer, Rational, pi
 from derive.handouts.assemble import context_of
 from derive.handouts.figure.drawing import Label
 from derive.handouts.layout.quantity import SheetPolicy
-from derive.handouts.parts.example import ANGLES, configuration, numbers_of
+from derive.handouts.parts.example import ANGLES, configuration
 from derive.handouts.parts.plan import plan_section, plan_sheet
 from derive.handouts.sheet.context import Context
 from derive.handouts.sheet.document import Figure, Paragraph, Rows, Section, SheetFormula, Steps, Table, blocks_of
@@ -26,6 +26,7 @@ from derive.model.entries import ModelEntries
 from derive.model.model import Model
 from derive.plans.profile import TIME, AnyPiece, Curve, Piece
 from derive.plans.segments import Load, Peak, Segment, SegmentPeaks
+from derive.robot.evaluate import parameter_values
 from derive.robot.expression import Number, Pi, Product
 from derive.robot.names import robot_symbols
 from derive.robot.options.handout import FrameIndices, NotationOptions
@@ -109,7 +110,8 @@ def test_printed_angles_give_back_the_orientation(seed: int) -> None:
     drawn = random_robot(random.Random(seed), 1 + seed % 3)
     robot = Robot.from_text(drawn.text)
     q = [0.3, -0.7, 1.1][: robot.n]
-    values = {**numbers_of(robot), **drawn.values, **{j.variable: x for j, x in zip(robot.joints, q, strict=True)}}
+    values = {j.variable: x for j, x in zip(robot.joints, q, strict=True)}
+    values |= {name: float(x) for name, x in parameter_values(robot, drawn.values).items()}
     entries = ModelEntries(Model(robot))
     wanted = Oracle.of(robot, drawn.values).evaluate("forward_kinematics", q)[:3, :3]
     for axes, angles in (("xyz", entries.rpy), ("ZYZ", entries.euler_zyz)):  # capital letters: moving axes
