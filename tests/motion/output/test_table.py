@@ -285,7 +285,7 @@ def test_an_arm_without_links_has_no_torques() -> None:
     arm = "{name: arm, convention: standard, joints: [{type: revolute, a: 1}]}"
     made = playback(Motion.from_text(f"robot: {arm}\ncurves: {{q1: t**2}}\ntime: 2\n"))
     assert made.functions == ()
-    assert made.tracks[0][0].formulas[1] == ["multiply", 2.0, "t"]
+    assert made.tracks[0][0].values[1] == ["multiply", 2.0, "t"]
 
 
 def test_a_base_that_moves_brings_a_program_for_each_load() -> None:
