@@ -3,7 +3,7 @@
 A rigid body exists where its pseudo-inertia [[S, h], [h^T, m]], with S its second moments and h its first moment, is
 positive semidefinite: then its mass is not negative, and no principal moment is larger than the sum of the other two
 (Wensing, Kim and Slotine, IEEE Robotics and Automation Letters 3(1), 2018). Published links often break this. Torques
-know base parameters alone, so bodies may change along the directions of `regressor_null_space` without any torque
+know base parameters alone, so bodies may change along the null space of the regressor (`witness`) without any torque
 changing; among these the nearest are found by semidefinite programming, in floats. The pseudo-inertia of a body is
 taken about the link's own centre of mass as given, with its mass as unit of mass and its radius of gyration as unit of
 length, so that a wrist counts as much as an upper arm, wherever the frames lie. First the sum of the links' changes is
@@ -25,12 +25,11 @@ from derive.errors import DeriveError, quoted, require_known
 from derive.mechanics.chain import Chain
 from derive.mechanics.space import decimal, exactly
 from derive.mechanics.vectors import add, conjugate, from_matrix, multiply, scale, steiner, transpose
-from derive.model.identification import regressor_null_space
+from derive.model.identification import witness
 from derive.model.identification.base_parameters import parameters_of
 from derive.model.identification.exact_scalars import Exact, ExactDomain, is_zero
-from derive.model.identification.regressor_null_space import WIDTH, Direction, bare_chain, body_of
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.model.identification.witness import refusal
+from derive.model.identification.witness import WIDTH, Direction, bare_chain, body_of, refusal
 from derive.robot.description import INERTIA, Inertia, Link
 from derive.robot.expression import Expression, number, to_text
 from derive.robot.names import without_lost_symbols
@@ -264,12 +263,12 @@ def possible(robot: Robot) -> Possible:
         chain = bare_chain(robot, domain)
         if float(least_eigenvalues(in_own_units(chain, ())).min()) >= EXISTING:
             return Possible(robot, ())
-        every = regressor_null_space.directions(robot, chain, domain)
+        every = witness.directions(robot, chain, domain)
         # Where torques leave a link no mass it gets no first moment: a solver would not see a small one beside large
         # second ones, which is within its tolerance.
         masses = [WIDTH * i for i, body in enumerate(chain.bodies) if is_zero(body.mass)]
         massless = [k for k in masses if all(is_zero(direction[k]) for direction in every)]
-        basis = regressor_null_space.fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
+        basis = witness.fixing(every, [k + axis for k in massless for axis in (1, 2, 3)])
         # A semidefinite program in each link's own units: room, targets, which links change, and how little.
         bodies = in_own_units(chain, basis)
         room = most_room(bodies)
@@ -282,12 +281,12 @@ def possible(robot: Robot) -> Possible:
         bodies = weighed(bodies, target)
         changed = needed(bodies, target)
         still = [WIDTH * i + k for i in range(robot.n) if i not in changed for k in range(WIDTH)]
-        fewer = regressor_null_space.fixing(basis, still)
+        fewer = witness.fixing(basis, still)
         for among in (fewer, basis):  # at the limit a solver may need the other links, too
             alone = replace(in_own_units(chain, among), masses=bodies.masses)
             if (steps := _decimal_steps(alone, target)) is not None:
                 with suppress(DeriveError):  # rounding left a link a first moment without a mass
-                    return _result(robot, chain, domain, regressor_null_space.combined(among, steps), border)
+                    return _result(robot, chain, domain, witness.combined(among, steps), border)
         raise DeriveError(f"{robot.name}: consistent inertias with these torques may exist, but the search found none")
 
 

@@ -21,8 +21,8 @@ from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.space import exactly
 from derive.model.identification.base_parameters import base_set, base_values, standard_values
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction, is_zero, null_space
-from derive.model.identification.regressor_null_space import WIDTH, bare_chain, combined, directions, fixing
 from derive.model.identification.unit_dynamics import UnitDynamics
+from derive.model.identification.witness import WIDTH, bare_chain, combined, directions, fixing
 from derive.robot.evaluate import to_float
 from derive.robot.expression import Expression
 from derive.robot.inertial_parameters import LINK_PARTS, Parameter, standard_parameters

@@ -11,9 +11,8 @@ from derive.mechanics.space import exactly
 from derive.model.identification import possible
 from derive.model.identification.base_parameters import parameters_of
 from derive.model.identification.exact_scalars import ExactDomain, as_fraction
-from derive.model.identification.regressor_null_space import bare_chain, combined, directions
 from derive.model.identification.semidefinite import Cone, Limit, least, packed, unpacked
-from derive.model.identification.witness import NoSuchBodies
+from derive.model.identification.witness import NoSuchBodies, bare_chain, combined, directions
 from derive.robot.description import Inertia, Link
 from derive.robot.evaluate import to_float
 from derive.robot.expression import ZERO, number
