@@ -1,7 +1,8 @@
 """Generated modules as callables.
 
 Python is imported by path, without leaving a trace in this process or in its folder; C is compiled for the occasion and
-called through ctypes, as its header says, or ``casadi.external`` (``model_casadi.c``).
+called through ctypes, as its header says, or ``casadi.external`` (``model_casadi.c``). The package of MATLAB and Octave
+is asked through pipes, in numbers, from one process of Octave.
 
 All have the name of the ``target`` and of its ``file``, the module's ``constants``, ``DOF``, ``PARAMETERS`` and
 ``GIVEN`` (the given joints or their places) among them, and the ``ways`` of calling that `derive.verification.verify`
@@ -10,20 +11,24 @@ knows.
 
 import ctypes
 import re
-from collections.abc import Callable, Mapping, Sequence
+import subprocess
+import tempfile
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property, partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import IO, Any
 
 import numpy as np
 
 from derive.errors import TargetError, VerificationError
-from derive.interrupts import TemporaryFolder
-from derive.targets.compiler import Command, compile_shared
-from derive.verification.octave_model import OctaveModel
+from derive.interrupts import TemporaryFolder, uninterrupted
+from derive.targets.compiler import Command, compile_shared, compiling_meanwhile, find_command
+from derive.targets.templating import render
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import FUNCTIONS, stem
 from derive.verification.samples import Parameters
@@ -32,6 +37,10 @@ from derive.verification.samples import Parameters
 # Every kernel is compiled once, and not once more for each function that it is to be inlined into.
 C_OPTIONS = ("-std=c99", "-O0", "-Dalways_inline=unused")
 CASADI_OPTIONS = ("-O0",)
+OCTAVES = ("octave-cli", "octave")  # looked for in this order where ``$OCTAVE`` is not set
+OCTAVE_OPTIONS = ("--norc", "--no-history", "--quiet", "--no-gui")  # nobody's settings, no trace, no window
+SECONDS = 600  # longest call of Octave
+FIRST_FILE = "link_transforms.m"  # every package of MATLAB and Octave of ours has it
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +211,135 @@ def _pointer(array: Array) -> Any:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
+def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
+    """Command of Octave: ``$OCTAVE``, else the usual names on the path of an environment; None if there is none."""
+    return find_command("OCTAVE", OCTAVES, environment)
+
+
+def octave_package(folder: Path) -> str:
+    """The package of MATLAB and Octave in a folder."""
+    return next((path.name for path in sorted(folder.glob("+*")) if (path / FIRST_FILE).is_file()), "")
+
+
+@dataclass(frozen=True)
+class OctaveModel:
+    """The functions of a package of MATLAB and Octave: of one configuration and of a batch."""
+
+    folder: Path  # the folder of the package
+    process: subprocess.Popen[bytes]  # Octave, which answers
+    said: IO[bytes]  # what it says beside
+    target = "octave"
+    ways = ("one", "batch")
+
+    @property
+    def file(self) -> str:
+        """Name of the package's folder."""
+        return self.folder.name
+
+    @cached_property
+    def constants(self) -> Mapping[str, Any]:
+        """``DOF``, ``PARAMETERS`` and ``GIVEN``, as the package says, and the names of its functions."""
+        (codes,) = self.results("model", [], 1)
+        dof, parameters, given = "".join(map(chr, codes.ravel().astype(int).tolist())).split(";")
+        names: dict[str, tuple[str, ...]] = {path.stem: () for path in self.folder.glob("*.m")}
+        texts = {"PARAMETERS": parameters, "GIVEN": given}
+        return names | {"DOF": int(dof)} | {name: tuple(filter(None, text.split(","))) for name, text in texts.items()}
+
+    def call(self, function: str, arguments: Sequence[Array], parameters: Parameters) -> Array:
+        """The value of a function; configurations are columns there, and the last axis of the result counts them."""
+        columns = [np.atleast_2d(argument).T for argument in arguments]
+        count, axes = columns[0].shape[1] if columns else 1, FUNCTIONS[stem(function)].axes
+        (value,) = self.results(function, [*columns, *self._numbers(parameters)], 1)
+        if axes == 0:
+            value = value.reshape(value.size)
+        elif axes == 1:
+            value = value.T
+        else:
+            value = value.reshape(*value.shape[:2], -1, count, order="F") if axes == 3 else _stack(value, count)
+            value = value.transpose(3, 2, 0, 1) if axes == 3 else value.transpose(2, 0, 1)
+        return value if arguments and arguments[0].ndim > 1 else value[0]
+
+    def inverse(self, poses: Array, given: Array, parameters: Parameters) -> tuple[Array, Array]:
+        """Inverse kinematics; poses are pages there, and branches columns."""
+        inputs = [poses.transpose(1, 2, 0), *([given.T] if given.shape[-1] else []), *self._numbers(parameters)]
+        q, status = self.results("inverse_kinematics", inputs, 2)
+        return _stack(q, len(poses)).transpose(2, 1, 0), status.T.astype(int)
+
+    def results(self, function: str, inputs: Sequence[Array], count: int) -> list[Array]:
+        """What a function of the package returns."""
+        name = f"{self.folder.name[1:]}.{function}"
+        request = [np.array([len(name), len(inputs), count, *map(ord, name)], dtype=float)]
+        for value in inputs:
+            array = np.asarray(value, dtype=float)
+            request += [np.array([array.ndim, *array.shape], dtype=float), array.ravel(order="F")]
+        assert self.process.stdin is not None
+        timer = threading.Timer(SECONDS, self.process.kill)
+        timer.daemon = True  # an interrupt may leave it running
+        with uninterrupted():
+            timer.start()
+        try:
+            self.process.stdin.write(b"".join(part.tobytes() for part in request))
+            self.process.stdin.flush()
+            message = self._received()
+            if message.size:
+                text = "".join(map(chr, message.ravel().astype(int).tolist()))
+                raise VerificationError(f"{function} of {self.file} is refused by Octave: {text}")
+            return [self._received() for _ in range(count)]
+        except OSError as error:
+            raise self._ended() from error
+        finally:
+            timer.cancel()
+
+    def _numbers(self, parameters: Parameters) -> list[Array]:
+        return [np.array([[float(parameters[name])] for name in self.constants["PARAMETERS"]])] if parameters else []
+
+    def _received(self) -> Array:
+        (rank,) = self._read(1)
+        extent = self._read(int(rank)).astype(int)
+        return self._read(int(np.prod(extent))).reshape(extent, order="F")
+
+    def _read(self, count: int) -> Array:
+        assert self.process.stdout is not None
+        data = self.process.stdout.read(8 * count)
+        if len(data) < 8 * count:
+            raise self._ended()
+        return np.frombuffer(data)
+
+    def _ended(self) -> VerificationError:
+        self.said.seek(0)
+        said = self.said.read().decode(errors="replace").strip().splitlines()
+        return VerificationError(f"Octave ended while it ran {self.file}{f': {said[0]}' if said else ''}")
+
+
+def _stack(value: Array, count: int) -> Array:
+    """Pages with an axis for them, which Octave drops where there is one."""
+    return value.reshape(*value.shape[:2], count, order="F")
+
+
+@contextmanager
+def running_octave(folder: Path, octave: Command | None) -> Iterator[tuple[OctaveModel, ...]]:
+    """Run Octave on the package in a folder, as long as it is needed."""
+    package = octave_package(folder)
+    if octave is None or not package:
+        yield ()
+        return
+    with TemporaryFolder() as temporary, tempfile.TemporaryFile() as said:
+        script = temporary.path / "server.m"
+        script.write_text(render("octave/server.m.jinja"), encoding="utf-8")
+        process = subprocess.Popen(
+            [*octave, *OCTAVE_OPTIONS, str(script), str(folder.resolve())],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            stderr=said,
+            start_new_session=True,  # an interrupt from the terminal is ours to answer
+        )
+        try:
+            yield (OctaveModel(folder / package, process, said),)
+        finally:
+            process.kill()
+            process.communicate()
+
+
 GeneratedModel = NumpyModel | CasadiModel | CModel | OctaveModel
 
 
@@ -216,6 +354,18 @@ def compile_models(folder: Path, compiler: Command | None) -> tuple[GeneratedMod
     if compiler is None:
         return ()
     return tuple(load(folder / file, compiler) for file, load in _COMPILED.items() if (folder / file).is_file())
+
+
+def all_models(
+    folder: Path, compiler: Command | None, octave: Command | None, libraries: Callable[[], None]
+) -> Iterator[GeneratedModel]:
+    """All targets, those last whose libraries take longest; the C compiler works while the others are used."""
+    with running_octave(folder, octave) as packages, compiling_meanwhile(compile_models, folder, compiler) as compiled:
+        yield from load_models(folder, needing_library=False)
+        yield from packages
+        yield from compiled()
+        libraries()
+        yield from load_models(folder, needing_library=True)
 
 
 class _Traceless(SourceFileLoader):
@@ -285,6 +435,5 @@ _COMPILED: Mapping[str, Callable[[Path, Command], GeneratedModel]] = {
     "model_casadi.c": load_casadi_c,
 }
 
-TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")  # the order in which reports list what was verified
 COMPILED = frozenset(_COMPILED)  # files that are verified where there is a C compiler
 MODULES = COMPILED.union(_IMPORTED)  # files that are verified

@@ -14,16 +14,16 @@ from derive.errors import VerificationError
 from derive.inverse.loops import without_parallelograms
 from derive.robot.names import free_symbols
 from derive.robot.robot import Robot
-from derive.targets.compiler import Command, compiling_meanwhile, find_compiler
+from derive.targets.compiler import find_compiler
 from derive.verification import inverse
-from derive.verification.generated import COMPILED, MODULES, TARGETS, GeneratedModel, compile_models, load_models
-from derive.verification.octave_model import find_octave, octave_package, running_octave
+from derive.verification.generated import COMPILED, MODULES, GeneratedModel, all_models, find_octave, octave_package
 from derive.verification.oracle.frames import Array, together
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, stem
 from derive.verification.samples import Parameters, SampleSet, sample_sets
 from derive.verification.tolerance import TOLERANCE, Expectation, expectation
 
 REMEDY = "this is a fault of derive, not of the robot file: please report it with the file"
+TARGETS = ("numpy", "casadi", "native", "c", "casadi-c", "octave")  # the order in which reports list what was verified
 
 # What the oracle has answered: it is asked once, since the targets are called at the same configurations.
 _Answers = dict[tuple[object, ...], Expectation]
@@ -85,7 +85,7 @@ def verify(
     rows: list[VerifiedFunction] = []
     models: list[GeneratedModel] = []
     answers: _Answers = {}
-    for model in _models(folder, compiler, octave, libraries):
+    for model in all_models(folder, compiler, octave, libraries):
         models.append(model)
         _check_interface(robot, folder, model)
         # Jacobians that may hardly ever have a value
@@ -100,18 +100,6 @@ def verify(
     _check_coverage(folder, models, rows, wanted, left_out)
     rows.sort(key=lambda row: TARGETS.index(row.target))
     return Report(robot.name, seed, tuple(rows), tuple(sorted(left_out)))
-
-
-def _models(
-    folder: Path, compiler: Command | None, octave: Command | None, libraries: Callable[[], None]
-) -> Iterator[GeneratedModel]:
-    """All targets, those last whose libraries take longest; the C compiler works while the others are verified."""
-    with running_octave(folder, octave) as packages, compiling_meanwhile(compile_models, folder, compiler) as compiled:
-        yield from load_models(folder, needing_library=False)
-        yield from packages
-        yield from compiled()
-        libraries()
-        yield from load_models(folder, needing_library=True)
 
 
 def _row(model: GeneratedModel, function: str, calls: Iterator[Trial], answers: _Answers) -> VerifiedFunction:

@@ -15,7 +15,7 @@ from derive.api.build import build
 from derive.api.robots import load
 from derive.model.quantities import REGISTRY
 from derive.notebook import MOST_LINES
-from derive.verification.octave_model import OPTIONS, find_octave
+from derive.verification.generated import OCTAVE_OPTIONS, find_octave
 from tests.docs.console import Command, agrees, blocks, commands, environment, run
 from tests.docs.errata import PAGE, TITLES, page, section
 from tests.places import ROOT
@@ -119,7 +119,7 @@ def test_the_example_runs(tmp_path: Path) -> None:
         script += [block.body] if block.language == "matlab" else []
     build(load(str(tmp_path / "arm.yaml")), tmp_path / "generated", targets=["octave"], effort="quick")
     (tmp_path / "arm_example.m").write_text("".join(script), encoding="utf-8")
-    command = [*(find_octave() or ()), *OPTIONS, "arm_example.m"]
+    command = [*(find_octave() or ()), *OCTAVE_OPTIONS, "arm_example.m"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300)
     assert (done.returncode, done.stderr) == (0, "")
     assert script

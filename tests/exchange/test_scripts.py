@@ -21,7 +21,7 @@ from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 from derive.targets.escape import matlab_package
-from derive.verification.octave_model import OPTIONS, find_octave
+from derive.verification.generated import OCTAVE_OPTIONS, find_octave
 from derive.verification.oracle.functions import Oracle
 from tests.exchange.arms import EVERY, FEW, dressed, numeric, uneven
 from tests.targets.generated_models import needs_octave, numpy_model
@@ -154,7 +154,7 @@ def octave_poses(robots: list[Robot], to: str, folder: Path) -> dict[str, np.nda
         (folder / f"{name}.m").write_text(exported(robot, to).text)
         lines += [f"T = pose_of({name}(), (1:{robot.n}) / 3 - 1); printf('%.17g ', T'); printf('\\n');"]
     (folder / "all_poses.m").write_text("\n".join(lines) + "\n")
-    command = [*(find_octave() or ()), *OPTIONS, str(folder / "all_poses.m")]
+    command = [*(find_octave() or ()), *OCTAVE_OPTIONS, str(folder / "all_poses.m")]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     rows = [np.array(line.split(), dtype=float).reshape(4, 4) for line in done.stdout.splitlines()]

@@ -24,8 +24,7 @@ from derive.targets.compiler import find_compiler, require_compiler
 from derive.targets.numpy import render_numpy
 from derive.targets.octave import render_octave
 from derive.targets.target import Source
-from derive.verification.generated import CModel, load_c_model
-from derive.verification.octave_model import find_octave
+from derive.verification.generated import CModel, find_octave, load_c_model
 from tests.rows import text_of_rows
 
 PLANAR = """

@@ -17,8 +17,7 @@ from derive.publish.render import OPTIONS
 from derive.robot.robot import Robot
 from derive.targets import c, casadi, javascript, native, numpy, octave
 from derive.targets.compiler import compile_shared, find_compiler, require_compiler
-from derive.verification.generated import compile_models, load_models
-from derive.verification.octave_model import FIRST_FILE, find_octave, running_octave
+from derive.verification.generated import FIRST_FILE, compile_models, find_octave, load_models, running_octave
 from tests.targets.generated_models import needs_compiler, needs_octave, source_of, written
 
 TARGETS = {

@@ -11,7 +11,7 @@ from derive.programs.build import build_program
 from derive.programs.optimise.search_policy import Effort
 from derive.robot.robot import Robot
 from derive.targets.octave import TARGET, package_folder, render_octave
-from derive.verification.octave_model import OctaveModel
+from derive.verification.generated import OctaveModel
 from tests.rows import robot_of_rows
 from tests.targets.generated_models import needs_octave, planar, source_of
 from tests.targets.languages import running

@@ -18,9 +18,8 @@ from derive.targets.c import render_c
 from derive.targets.compiler import require_compiler
 from derive.targets.target import Source
 from derive.verification import verify as module
-from derive.verification.generated import CModel, NumpyModel, load_c_model
+from derive.verification.generated import CModel, NumpyModel, find_octave, load_c_model, octave_package, running_octave
 from derive.verification.inverse import CLOSED, inverse_errors
-from derive.verification.octave_model import find_octave, octave_package, running_octave
 from derive.verification.oracle.frames import Array
 from derive.verification.oracle.functions import ANGLES, FUNCTIONS, Oracle
 from derive.verification.samples import Parameters, SampleSet, sample_sets
