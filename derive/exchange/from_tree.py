@@ -10,12 +10,12 @@ from fractions import Fraction
 
 from derive.errors import DeriveError, RobotFileError, near_miss, quoted, require_known
 from derive.exchange.arm import Arm, Axis, Mass, carrying_joints, changes_of, check_kind, direction_of, frame_at, some
-from derive.exchange.closures import closed, joins, turn_to, variable_of
 from derive.exchange.convert import convention_named
 from derive.exchange.file_tree import Agreement, FileTree, agreement
 from derive.exchange.from_urdf import AS_USUAL, ImportOptions, notes_on, plain_text, read_back, robot_name, snap_of
 from derive.exchange.reading.elements import MOVING, ZEROS, Origin, Urdf, UrdfJoint, free_name
 from derive.exchange.robot_of_arm import GRAVITY, label_of, link_of, matrix_of, rounded, row_of
+from derive.exchange.ties import closed, joins, turn_to, variable_of
 from derive.mechanics.space import WORLD, Line, exactly
 from derive.robot import description
 from derive.robot.description import BASE, Description, End, FixedRow, Joint, Link, Root, RootType, Stand

@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 
 from derive.errors import DeriveError
-from derive.exchange.closures import joins
 from derive.exchange.formats import exported
 from derive.exchange.from_tree import import_tree
 from derive.exchange.numeric import with_numbers
 from derive.exchange.reading.mjcf import read_mjcf
 from derive.exchange.reading.urdf import read_urdf
-from derive.exchange.ties import untied
+from derive.exchange.ties import joins, untied
 from derive.inverse.loops import without_parallelograms
 from derive.inverse.loops.linkage import linkage, positions
 from derive.mechanics.space import exactly

@@ -14,7 +14,7 @@ from derive.robot.description import BASE, Joining
 from derive.robot.expression import number
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import numeric_arm
-from derive.verification.oracle.loops import Following
+from derive.verification.oracle.functions import Following
 from derive.verification.samples import sample_sets
 from derive.verification.tolerance import expectation
 from tests.random_robots import _yaml, seeds
