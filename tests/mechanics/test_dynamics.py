@@ -11,7 +11,6 @@ from derive.algebra.domain import PolynomialDomain
 from derive.lecture.sympy_conversion import expression_from_sympy
 from derive.mechanics import forward_kinematics as kinematics
 from derive.mechanics.chain import build_chain
-from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.exact import Dynamics, Kinematics
 from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
@@ -19,7 +18,7 @@ from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.printed_newton_euler import printed_newton_euler, without_rotors
 from derive.mechanics.regressor import Regressor, with_unit_rotors
 from derive.mechanics.regrouping import Rule, regroup
-from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.mechanics.torque_derivatives import coriolis_matrix, torque_position_derivative, torque_velocity_derivative
 from derive.mechanics.vectors import column
 from derive.model.model import Model
 from derive.robot.description import Convention

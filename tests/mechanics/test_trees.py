@@ -5,11 +5,10 @@ import random
 import numpy as np
 import pytest
 
-from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations
 from derive.mechanics.newton_euler import inverse_dynamics
-from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.mechanics.torque_derivatives import coriolis_matrix, torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_set
 from derive.robot.inertial_parameters import standard_parameters
 from derive.verification.oracle.functions import Oracle

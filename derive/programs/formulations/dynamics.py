@@ -11,13 +11,12 @@ from functools import partial
 
 from derive.algebra.quotients import Quotient
 from derive.mechanics.chain import build_chain
-from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.forward_dynamics import articulated_accelerations, carried, factorised, forward_dynamics
 from derive.mechanics.forward_kinematics import jacobian
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.regressor import Regressor, with_unit_rotors
-from derive.mechanics.torque_derivatives import torque_position_derivative, torque_velocity_derivative
+from derive.mechanics.torque_derivatives import coriolis_matrix, torque_position_derivative, torque_velocity_derivative
 from derive.model.identification.base_parameters import base_formulas, base_set, base_values, standard_formulas
 from derive.programs.formulations import kinematics
 from derive.programs.formulations.choice import Formulation

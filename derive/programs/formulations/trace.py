@@ -22,9 +22,9 @@ from derive.errors import ExpressionError
 from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.unknowns import turned
 from derive.mechanics.chain import Chain, build_chain
-from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.newton_euler import inverse_dynamics
+from derive.mechanics.torque_derivatives import coriolis_matrix
 from derive.mechanics.vectors import Frame
 from derive.programs.formulations.cheapest_kinematics import Stations, cheapest_jacobian, cheapest_pose
 from derive.programs.formulations.choice import Formulation, FormulationChoice

@@ -10,10 +10,10 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from derive.mechanics.coriolis import coriolis_matrix
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
 from derive.mechanics.forward_kinematics import forward_kinematics, jacobian, joint_poses, link_transforms
 from derive.mechanics.newton_euler import PLAIN, FrameChoice, inverse_dynamics
+from derive.mechanics.torque_derivatives import coriolis_matrix
 from derive.mechanics.vectors import Frame, Vector, add, column, identity, multiply
 from derive.programs.build import build_program
 from derive.programs.formulations import dynamics, kinematics
