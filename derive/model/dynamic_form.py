@@ -3,7 +3,7 @@
 A short entry is expanded in the user's symbols, contracted, and grouped by masses and moments of inertia. A long one
 (a 6R arm with every parameter symbolic) stays grouped by the lumped parameters of its bodies, each written out in the
 user's symbols. Equal Christoffel symbols of an entry of C are collected: ``h*(qd1 + qd2)``; names for them, ``h``, are
-given in `derive.model.abbreviations`.
+given in `derive.model.model`.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ import shutil
 import signal
 import subprocess
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -27,17 +27,16 @@ R = TypeVar("R")
 _running: set[subprocess.Popen[str]] = set()  # compilers at work
 
 
-def find_compiler(environment: Mapping[str, str] | None = None) -> Command | None:
-    """Command of the C compiler: ``$CC``, else the usual names on the path of an environment; None if there is none."""
-    return find_command("CC", NAMES, environment)
+def find_compiler() -> Command | None:
+    """Command of the C compiler: ``$CC``, else the usual names on the path; None if there is none."""
+    return find_command("CC", NAMES)
 
 
-def find_command(variable: str, names: Sequence[str], environment: Mapping[str, str] | None = None) -> Command | None:
-    """What a variable of an environment, by default this process's, names, else the first name on its path; or None."""
-    variables = os.environ if environment is None else environment
-    given = shlex.split(variables.get(variable, ""))
+def find_command(variable: str, names: Sequence[str]) -> Command | None:
+    """What a variable of this process's environment names, else the first name on its path; None if there is none."""
+    given = shlex.split(os.environ.get(variable, ""))
     for command in [given] if given else [[name] for name in names]:
-        if found := shutil.which(command[0], path=variables.get("PATH", os.defpath)):
+        if found := shutil.which(command[0], path=os.environ.get("PATH", os.defpath)):
             return (found, *command[1:])
     return None
 

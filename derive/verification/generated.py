@@ -211,9 +211,9 @@ def _pointer(array: Array) -> Any:
     return array.ctypes.data_as(ctypes.c_void_p)
 
 
-def find_octave(environment: Mapping[str, str] | None = None) -> Command | None:
-    """Command of Octave: ``$OCTAVE``, else the usual names on the path of an environment; None if there is none."""
-    return find_command("OCTAVE", OCTAVES, environment)
+def find_octave() -> Command | None:
+    """Command of Octave: ``$OCTAVE``, else the usual names on the path; None if there is none."""
+    return find_command("OCTAVE", OCTAVES)
 
 
 def octave_package(folder: Path) -> str:

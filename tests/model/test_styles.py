@@ -6,7 +6,7 @@ import pytest
 
 from derive.lecture.shorthand import read_formula
 from derive.lecture.sympy_conversion import expression_from_sympy
-from derive.model import abbreviations
+from derive.model import model as abbreviations
 from derive.model.dynamic_form import DynamicForm
 from derive.model.dynamic_model import DynamicModel
 from derive.model.equality import Verdict, same_form, verdict

@@ -18,7 +18,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from heapq import heappop, heappush
-from itertools import combinations, pairwise, product
+from itertools import combinations, islice, pairwise, product
 from typing import Any
 
 import mpmath
@@ -376,7 +376,7 @@ def coincidences(
 ) -> tuple[tuple[tuple[SingularFactor, ...], tuple[SingularFactor, ...]], ...]:
     """For each step the factors of det J at whose zeros its two values are one, and those at whose zeros it is free."""
     moving = [factor for factor in factors if factor.condition is not None]
-    places = [(factor, list(_zeros(found, factor))) for factor in moving]
+    places = [(factor, list(islice(_zeros(found, factor), LOOKED_AT))) for factor in moving]
 
     def _where_zero(conditions: Sequence[Expr]) -> tuple[SingularFactor, ...]:
         vanishing = []
@@ -394,7 +394,7 @@ def coincidences(
 
 def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers]:
     """Numbers of everything that is named, at configurations at which a factor is zero."""
-    rng, seen = random.Random(5), 0
+    rng = random.Random(5)
     variables = [sympy.Symbol(joint.variable) for joint in found.robot.joints]
     with mpmath.workdps(DIGITS):
         for _ in range(_TRIES):
@@ -404,9 +404,6 @@ def _zeros(found: InverseKinematics, factor: SingularFactor) -> Iterator[Numbers
             zero = _zero(factor.expression, {**values, **q}, joint)
             if zero is not None:
                 yield _known(found, values, {**q, joint: zero})
-                seen += 1
-            if seen == LOOKED_AT:
-                return
 
 
 def _zero(expression: Expr, known: Numbers, joint: Expr) -> Any:

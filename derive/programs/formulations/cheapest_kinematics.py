@@ -31,7 +31,7 @@ from derive.mechanics.vectors import (
     transpose,
 )
 from derive.programs.formulations.choice import choose
-from derive.programs.formulations.parallel_axes import ParallelRun, Placement
+from derive.programs.formulations.frame_choice import ParallelRun, Placement
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.graph import ZERO, Ref
 from derive.programs.tape.value import Value

@@ -14,16 +14,18 @@ The others are made inside recursions (`derive.mechanics.newton_euler`). The che
 robot are found by a short search (`FrameChoiceSearch`).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from typing import NamedTuple
 
 from derive.mechanics.chain import Body, Chain, ChainJoint
-from derive.mechanics.joint_motion import shift, turn_about_z, turn_vector
+from derive.mechanics.joint_motion import axis, shift, turn_about_z, turn_vector
 from derive.mechanics.newton_euler import FrameChoice, Place
 from derive.mechanics.regrouping import Rule, regroup
-from derive.mechanics.vectors import Frame, Vector, add, scale
-from derive.programs.formulations.parallel_axes import SumOfTurns, Turn
+from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, identity, matmul, multiply, scale
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.build import Cost
 from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
@@ -55,7 +57,7 @@ def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
     followers = [chain.joints[k] for k in chain.followers(i)]
     if joint.revolute and len(followers) == 1:
         after = followers[0]
-        if after.revolute and _direction(after) and after.offset.ref != ZERO:
+        if after.revolute and _direction(axis(after)) and after.offset.ref != ZERO:
             found.append(Place.BEYOND)
     return tuple(found)
 
@@ -66,16 +68,11 @@ def holdable(chain: Chain[Value], i: int) -> bool:
     if not (joint.revolute or _is_unturned(joint)):
         return False
     followers = (chain.joints[k] for k in chain.followers(i))
-    return all(_direction(after) != 0 and (after.revolute or _is_unturned(after)) for after in followers)
+    return all(_direction(axis(after)) != 0 and (after.revolute or _is_unturned(after)) for after in followers)
 
 
 def _is_unturned(joint: ChainJoint[Value]) -> bool:
     return joint.cosine.ref == ONE and joint.sine.ref == ZERO
-
-
-def _direction(joint: ChainJoint[Value]) -> int:
-    """+1 where the axis continues z of the link before, -1 where it is opposed, else 0; exact."""
-    return {ONE: 1, MINUS_ONE: -1}.get(joint.fixed.rotation[2][2].ref, 0)
 
 
 def _slides_along_all(chain: Chain[Value], i: int) -> bool:
@@ -83,7 +80,8 @@ def _slides_along_all(chain: Chain[Value], i: int) -> bool:
     joints = [chain.joints[i], *(chain.joints[k] for k, _ in chain.inward(i))]
     if len(joints) == 1 or joints[0].revolute:
         return False
-    return all(map(_direction, joints[:-1])) and all(joint.revolute or _is_unturned(joint) for joint in joints)
+    is_along = all(_direction(axis(joint)) for joint in joints[:-1])
+    return is_along and all(joint.revolute or _is_unturned(joint) for joint in joints)
 
 
 def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]:
@@ -97,7 +95,7 @@ def _placed(chain: Chain[Value], choices: Sequence[FrameChoice]) -> Chain[Value]
             back = joints[i].offset
         else:
             after = joints[chain.followers(i)[0]]
-            back = -after.offset if _direction(after) > 0 else after.offset
+            back = -after.offset if _direction(axis(after)) > 0 else after.offset
         joints[i] = replace(joints[i], offset=joints[i].offset - back)
         # Seen from there all places have `back` more along z: h + m p, and the tensor by Steiner.
         lever, body = (chain.zero, chain.zero, back), bodies[i]
@@ -135,7 +133,7 @@ def _held(chain: Chain[Value], choices: Sequence[FrameChoice], total: SumOfTurns
         if before is None:
             lag = _Lag(turns, joint.cosine, joint.sine)
         else:
-            direction = _direction(joint)
+            direction = _direction(axis(joint))
             turns = (*(Turn(k, sign * direction) for k, sign in before.turns), *turns)
             lag = _Lag(turns, *total(turns))
         # Constant positions of the next joint are turned by what the link before did not turn.
@@ -226,3 +224,110 @@ def starting_choices(chain: Chain[Value]) -> tuple[FrameChoices, ...]:
     can = [holdable(chain, i) for i in range(n)]
     held = (can, [can[i] and not chain.followers(i) for i in range(n)], [False] * n)
     return tuple(tuple(FrameChoice(held=h, second_moments=True) for h in row) for row in held)
+
+
+# -- runs of joints with parallel axes: one turn by the sum of their angles in place of one turn after another
+#
+# Where the axis of a revolute joint is parallel to that of the revolute joint before it, opposed or not, with prismatic
+# joints between them or not, the constant rotation between the two leaves z where it is up to its sign, and turns about
+# z add: Rot(z, t_1) C Rot(z, t_2) = Rot(z, t_1 +- t_2) C. In the axes in which a run begins, joint frame i is turned by
+# Rot(z, phi_i) C_i with phi_i = t_1 +- t_2 ... and C_i constant, and origins are sums of constant vectors turned by one
+# phi each: a_1 c_1 + a_2 c_12.
+
+
+class Turn(NamedTuple):
+    """The angle of a revolute joint with its sign in a sum; joints count from 0."""
+
+    joint: int
+    direction: int
+
+
+# Cosine and sine of a signed sum of joint angles; of no angle 1 and 0.
+SumOfTurns = Callable[[Sequence[Turn]], tuple[Value, Value]]
+
+
+@dataclass(frozen=True, slots=True)
+class Placement:
+    """Joint frame i in the axes of its run: Rot(z, phi) constant, at ``origin``."""
+
+    cosine: Value  # cos(phi)
+    sine: Value  # sin(phi)
+    constant: Matrix[Value]  # C, 3x3; z goes to z or -z where the joint turns
+    origin: Vector[Value]  # from the run's origin, in its axes
+    step: Vector[Value]  # the last part of ``origin``, from the joint frame before
+    direction: int  # +1 where z_i is z of the run, -1 where it points the other way, 0 for a slide across
+
+    def turned(self, v: Vector[Value]) -> Vector[Value]:
+        """A vector of joint frame i in the axes of the run."""
+        return turn_vector(self.cosine, self.sine, multiply(self.constant, v))
+
+    def axis(self) -> Vector[Value]:
+        """z_i in the axes of the run."""
+        return turn_vector(self.cosine, self.sine, column(self.constant, 2))
+
+
+@dataclass(frozen=True, slots=True)
+class ParallelRun:
+    """Consecutive joints whose revolute axes are parallel."""
+
+    first: int  # index of its first joint, from 0
+    # Constant, from the last joint frame of the run before (for the first run frame 0) to the run's axes.
+    fixed: Frame[Value]
+    placements: tuple[Placement, ...]  # one for each joint
+
+    @property
+    def last(self) -> Placement:
+        """The joint frame from which the next run goes on."""
+        return self.placements[-1]
+
+
+def parallel_runs(chain: Chain[Value], total: SumOfTurns) -> tuple[ParallelRun, ...]:
+    """The runs of an arm, as long as they can be."""
+    runs: list[ParallelRun] = []
+    first = 0
+    # Greedy: each run goes on until a joint turns about another direction.
+    while first < chain.n:
+        placements = _placements(chain, first, total)
+        runs.append(ParallelRun(first, chain.joints[first].fixed, placements))
+        first += len(placements)
+    return tuple(runs)
+
+
+def _placements(chain: Chain[Value], first: int, total: SumOfTurns) -> tuple[Placement, ...]:
+    """The joints of the run that begins with some joint, up to that which turns about another direction."""
+    zero, one = chain.zero, chain.one
+    constant, origin = identity(zero, one), (zero, zero, zero)
+    fixed = Frame(constant, origin)
+    cosine, sine = one, zero
+    turns: tuple[Turn, ...] = ()
+    found: list[Placement] = []
+    for i in range(first, chain.n):
+        joint = chain.joints[i]
+        if i > first:
+            fixed = joint.fixed
+        # C_i = C_{i-1} K: the constant rotation behind the turn by phi.
+        before, constant = constant, matmul(constant, fixed.rotation)
+        z = column(constant, 2)
+        # The way to joint frame i is constant before the turn so far: K's position, and the offset along z_i.
+        step = turn_vector(cosine, sine, add(multiply(before, fixed.position), scale(joint.offset, z)))
+        origin = add(origin, step)
+        if joint.revolute:
+            # Parallel if z_i is +-z of the run, exactly; the first joint always is.
+            direction = _direction(z)
+            if direction == 0:
+                break
+            # phi = t_1 +- t_2 ..., taken as one cosine and sine.
+            turns = (*turns, Turn(i, direction))
+            cosine, sine = total(turns)
+        else:
+            # A slide's own constant turn about z goes into C.
+            constant = matmul(constant, joint.motion(zero, one).rotation)
+        found.append(Placement(cosine, sine, constant, origin, step, _direction(column(constant, 2))))
+    return tuple(found)
+
+
+def _direction(z: Vector[Value]) -> int:
+    """+1 for the z axis itself, -1 for its opposite, else 0; exact."""
+    if z[0].ref != ZERO or z[1].ref != ZERO:
+        return 0
+    return {ONE: 1, MINUS_ONE: -1}.get(z[2].ref, 0)

@@ -32,10 +32,11 @@ from derive.programs.formulations.frame_choice import (
     CHAIN_CHOICES,
     FrameChoices,
     FrameChoiceSearch,
+    ParallelRun,
     arrange,
+    parallel_runs,
     starting_choices,
 )
-from derive.programs.formulations.parallel_axes import ParallelRun, parallel_runs
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.derivative import derivative
 from derive.programs.tape.field import ClosingField, ClosingWalk

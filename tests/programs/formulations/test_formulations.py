@@ -24,10 +24,10 @@ from derive.programs.formulations.frame_choice import (
     FrameChoices,
     FrameChoiceSearch,
     holdable,
+    parallel_runs,
     places,
     starting_choices,
 )
-from derive.programs.formulations.parallel_axes import parallel_runs
 from derive.programs.formulations.trace import CLOSED_FORMS, ClosedForm, Trace, flat
 from derive.programs.optimise.search_policy import POLICY, Effort
 from derive.programs.tape.build import bake, cut, program_cost
