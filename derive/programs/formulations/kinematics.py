@@ -82,17 +82,14 @@ def jacobian_rates(trace: Trace) -> Iterator[Formulation]:
     rates = dict(zip(trace.variables(Q), trace.variables(QD), strict=True))
     yield Formulation("velocities of axes and origins", lambda: flat(jacobian_rate(trace.chain, trace.arguments(QD))))
     for words, matrix, _ in _pairs(trace):
-
-        def _in_time(matrix: Callable[[], Matrix] = matrix) -> list[Value]:
-            return derivative(improved_values(flat(matrix())), rates)
-
-        yield Formulation(f"{words}, differentiated in time", _in_time)
+        entries = partial(lambda matrix: derivative(improved_values(flat(matrix())), rates), matrix)
+        yield Formulation(f"{words}, differentiated in time", entries)
 
 
 def hessians(trace: Trace) -> Iterator[Formulation]:
     """Formulations of dJ/dq."""
     for words, matrix, _ in _pairs(trace):
-        entries = lambda matrix=matrix: flat(jacobian_hessian(matrix(), trace.chain.zero))  # noqa: E731
+        entries = partial(lambda matrix: flat(jacobian_hessian(matrix(), trace.chain.zero)), matrix)
         yield Formulation(f"products of columns of the {words}", entries)
 
 
