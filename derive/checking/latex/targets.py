@@ -219,7 +219,7 @@ def _screws(left: Left, n: int) -> Iterator[Target]:
 
 
 def _jacobians(left: Left, n: int) -> Iterator[Target]:
-    if left.head not in ("J", "j"):
+    if left.head not in ("J", "j") or left.factor:  # J qd is a product of two names
         yield from _screws(left, n)
         return
     if left.dots:
@@ -327,8 +327,8 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
         yield from (Target(f"T[0,{k}]", (AXES[head],), (4,)) for k in range(1, n))
     if head in _COLUMNS and plain and left.sub in ("", *_END):
         yield Target("T", (1, 2, 3), (_COLUMNS[head],))
-    if head in ("x", "y") and left.sub.isdigit() and left.sup + left.before:  # axes, as z_2^0
-        yield from (Target(name, (1, 2, 3), (AXES[head],)) for name in _frames(left, n, first))
+    if left.sub.isdigit() and (head == "Y" or (head in ("x", "y") and left.sup + left.before)):  # axes, as z_2^0
+        yield from (Target(name, (1, 2, 3), (AXES[head.lower()],)) for name in _frames(left, n, first))
     elif head in ("p", "P", "o", "O", "d", "r", "x", "X", "t") or (head in "fF" and plain and left.arguments):
         if not left.sub and not left.sup:
             yield from (Target("p"), Target("p", (1, 2)), Target("in_plane"))

@@ -71,8 +71,8 @@ ITERATED: dict[str, Any] = {
     "plate": (
         CRANK
         | {"plate": ("rod", TURN, 0, (0.5, 0.7), 0), "corner": ("plate", "fixed", 2, 0.4, 0)}
-        | {"ground": (BASE, "fixed", 0.3, (0.9, 1.4), 0), "left": ("ground", TURN, 0, LONG, 0)}
-        | {"post": (BASE, "fixed", 1.2, (0.9, 1.4), 0), "right": ("post", TURN, 0, LONG, 0)},
+        | {"ground": (BASE, "fixed", 0.3, (0.8, 1.1), 0), "left": ("ground", TURN, 0, LONG, 0)}
+        | {"post": (BASE, "fixed", 1.2, (0.8, 1.1), 0), "right": ("post", TURN, 0, LONG, 0)},
         ("plate", "left", "revolute"),
         ("corner", "right", "revolute"),
     ),
