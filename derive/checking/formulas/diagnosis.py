@@ -29,6 +29,7 @@ CLOSE = 1e-9  # relative difference of two values that count as the same
 POINTS = 40  # points that are tried until both formulas have a value
 MAX_SINGLE_ANGLES = 12  # joints whose sine and cosine a term may lack; of longer arms only those that occur are tried
 PAIRED = (SlipKind.SIGN, SlipKind.FUNCTION, SlipKind.EXPONENT, SlipKind.INDEX)  # kinds of which two changes are tried
+RENAMED = frozenset([SlipKind.INDEX, SlipKind.SYMBOL])  # one name for another
 
 
 @dataclass(frozen=True, eq=False)

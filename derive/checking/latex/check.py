@@ -13,7 +13,7 @@ from derive.checking.formulas.diagnosis import PAIRED, Question
 from derive.checking.formulas.findings import Finding, Role, Skipped, compared, judge, undecidable
 from derive.checking.latex import whole
 from derive.checking.latex.comparing import VAGUE, Side
-from derive.checking.latex.conditions import at_home, at_stated_numbers, certain, explaining, moves
+from derive.checking.latex.conditions import NEARLY, at_home, at_stated_numbers, certain, explaining, moves
 from derive.checking.latex.equations import Sides, listed
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
@@ -101,9 +101,6 @@ def _count(findings: Sequence[Finding], *, right: bool) -> int:
 # An arctangent of two arguments in a spelling that some books give the cosine first.
 _CAPITAL = re.compile(r"A(?:rc)?[Tt]an|ATAN|A\s*\}?\s*\\tan|arctan\}?\s*2|(?:\\arctan|\\tan\s*\^[^()]*)\s*\([^()]*,")
 _LONE = "C is not unique, and the rest of the row is not printed"
-_NEARLY = re.compile(
-    r"(?i)\\approx|taylor|small[- ]angle|lineari[sz]|linealiz|approxim|\u6cf0\u52d2|\u5c0f\u89d2|\u8fd1\u4f3c"
-)
 # Parts of a sum by names of the author's own, T_c + T_p.
 _PARTS = re.compile(r"(?:[\s{]*[A-Z]_(?:\w|\{[^{}+]*\})[\s}]*(?:\+|$)){2,}")
 _FORCE = "where the force acts, and in which axes, is not certain"
@@ -264,7 +261,9 @@ class _Check(SideReading):
                 compared.add(index)
                 yield from otherwise
             elif unknown is not None and self.document:
-                self._skip(equation[0], unknown)
+                if not (slips := self.misnamed(index, found)):
+                    self._skip(equation[0], unknown)
+                yield from slips
                 known = [one for one in found if isinstance(one, Claim) or not one.unknown]
                 # a side that is right as a whole stays so beside a matrix of which little can be read
                 yield from known if len(right) >= VAGUE * len(found) else (f for f in right if f.question is None)
@@ -272,12 +271,7 @@ class _Check(SideReading):
                 yield from found
         if self.document:
             yield from self._said_twice()
-            yield from self._defined()
-            alone = [one for one in self.scope.defined() if len(self.scope.definitions[one[0]]) == 1]
-            for name, _, _, side in whole.unused(alone, self.scope.equations, compared):
-                left = taken_apart(side.text)
-                if left is None or not left.is_point or self._stands_for(left) is None:
-                    self._skip_for(side, f"defines {name}, which no formula uses that is compared")
+            yield from self._defined(compared)
 
     def _said_twice(self) -> Iterator[Finding | Claim]:
         """Names that are given two formulas: where these are equal, that is said; otherwise a name has two meanings."""
@@ -297,7 +291,7 @@ class _Check(SideReading):
                 else:
                     self._skip_for(side, _TWO_FORMULAS.format(name))
 
-    def _defined(self) -> Iterator[Finding | Claim]:
+    def _defined(self, compared: set[int]) -> Iterator[Finding | Claim]:
         """Points and energies of links, which other formulas take as they are defined here."""
         moving = self.rates.union(name for cell in self.robot.gravity or () for name in names(cell))
         known = set[str]()  # letters of energies of links of which one is right
@@ -330,6 +324,11 @@ class _Check(SideReading):
                 yield found
             else:
                 self._skip_for(side, f"{name} is used as it is defined here, though it is not {right.quantity}")
+        alone = [one for one in self.scope.defined() if len(self.scope.definitions[one[0]]) == 1]
+        for name, _, _, side in whole.unused(alone, self.scope.equations, compared):
+            left = taken_apart(side.text)
+            if left is None or not left.is_point or self._stands_for(left) is None:
+                self._skip_for(side, f"defines {name}, which no formula uses that is compared")
 
     def _skip(self, side: LatexPiece, error: CheckError) -> None:
         """Tell that an equation is not compared; prose speaks of symbols, numbers and conditions all the time."""
@@ -429,7 +428,7 @@ class _Check(SideReading):
                     findings = at_stated_numbers(self.robot, self.conditions, findings, is_later and not moving)
                 if not (right := all(finding.verdict.equal for finding in findings)):
                     self._refuse_example(side, findings)
-                    is_rough = is_later and self.document and _NEARLY.search(self.text, max(start - 1500, 0), start)
+                    is_rough = is_later and self.document and NEARLY.search(self.text, max(start - 1500, 0), start)
                     if is_rough and not any(judge(finding).repair for finding in findings):
                         raise self._refused(side.piece, "an approximation of the side before it")
                     if name.left is not None and name.left.head in _VECTORS and is_open:

@@ -1,17 +1,17 @@
 """The sides of one printed equation against each other, and against the quantities that they name."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import product
 
 from derive.checking.by_value import ByValue
 from derive.checking.formulas.branches import SIGN
-from derive.checking.formulas.diagnosis import Question, Repair, other_orders
+from derive.checking.formulas.diagnosis import RENAMED, Question, Repair, other_orders
 from derive.checking.formulas.edits import float_value
-from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, undecidable
-from derive.checking.latex.conditions import DECIMALS, DIGITS, ROUGHLY, Condition, Values, ways
+from derive.checking.formulas.findings import NOTHING_KNOWN, Finding, Role, compared, judge, undecidable
+from derive.checking.latex.conditions import AMONG, DECIMALS, DIGITS, ROUGHLY, Condition, Values, ways
 from derive.checking.latex.left import AXES, Left, taken_apart
 from derive.checking.latex.matrices import Entry, Table
 from derive.checking.latex.meanings import Right
@@ -405,6 +405,24 @@ class Comparing:
             found = f"left side {quoted(text)} means {means.shown}, but the quantity asked about is {self.asked}"
             raise self._refused(name.piece, found, "leave one of them out")
         yield from agreeing or asked
+
+    def misnamed(self, index: int, found: Sequence[Finding | Claim]) -> list[Finding]:
+        """Entries of a matrix, else right, in which a name that nothing here has stands for one of ours."""
+        entries = [f for f in found if isinstance(f, Finding) and f.role is Role.PRINTED]
+        unknown = [f for f in entries if f.unknown]
+        slips, is_right = list[Finding](), all(f.verdict.equal or f.unknown for f in entries)
+        if not is_right or len(entries) < AMONG * len(unknown):
+            return []
+        for f in unknown:
+            name = re.match(r"(?:unknown name ')?(\w+)", f.unknown.found if f.unknown else "")
+            if name and (right := self.meanings.right(Target(f.quantity))) and f.row <= right.value.rows:
+                with suppress(CheckError):
+                    printed = self.scope.reader(index, {name[1]: Name(name[1])}).formula(LatexPiece(f.text, 0))
+                    derived = right.value[f.row - 1, max(f.column - 1, 0)]
+                    question = Question(self.robot, printed, expression_from_sympy(derived))
+                    slip = compared(question, f.quantity, (f.row, f.column), f.role, f.text, derived, f.location)
+                    slips += [slip] if (repair := judge(slip).repair) and RENAMED.issuperset(repair.kinds) else []
+        return slips if len(slips) == len(unknown) else []
 
     def _entries(self, right: Right, table: Table, offset: int) -> Iterator[Finding]:
         places = product(right.rows, right.columns)

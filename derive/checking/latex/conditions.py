@@ -7,7 +7,7 @@ ours, one small change away, or that stands among right ones of its kind, in fra
 
 import re
 from bisect import bisect_right
-from collections import Counter
+from collections import ChainMap, Counter
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from contextlib import suppress
@@ -34,6 +34,9 @@ ROUGHLY = 0.02  # relative difference that rounding on the way may explain
 DECIMALS = re.compile(r"[0-9]\.([0-9]+)")
 REACH = 25  # lines behind a condition, such as s_5 = 0, in which formulas may be meant under it
 
+NEARLY = re.compile(
+    r"(?i)\\approx|taylor|small[- ]angle|lineari[sz]|linealiz|approxim|\u6cf0\u52d2|\u5c0f\u89d2|\u8fd1\u4f3c"
+)
 Values = Mapping[str, Expression]  # what stands for a name where a condition holds
 _MATHEMATICS = re.compile(r"\$\$.*?\$\$|\$[^$]*\$|\\\[.*?\\\]|\\begin\{(\w+\*?)\}.*?\\end\{\1\}", re.DOTALL)
 _SENTENCE_ENDS = re.compile(r"[.!?;](?:\s|$)|^\s*#|\\(?:sub)*section|\n\s*\n\s*\S", re.MULTILINE)
@@ -150,7 +153,9 @@ def at_stated_numbers(
     line = findings[0].location.line or 0
     earlier = [c for c in conditions if c.line <= line]
     stated = [(f" where {c.text}", way) for c in earlier if line <= c.line + REACH for way in c.ways]
-    together = {name: value for c in earlier for way in c.ways for name, value in way.items()}
+    # of several ways to fulfil one condition the first; of several conditions the last
+    given = ((name, value) for c in earlier for name, value in ChainMap(*map(dict, c.ways)).items())
+    together = {name: value for name, value in given if tree.is_constant(value)}
     file = {name: float(value) for name, value in parameter_values(robot).items()}
     moving = {name: value for name, value in together.items() if name not in file}
     for where, way in [("", {}), (" and the text", moving), (" and the text", together), *reversed(stated)]:

@@ -29,10 +29,11 @@ class _Raised:
 
 @dataclass(frozen=True, slots=True)
 class _Digits:
-    """A written number, of which two side by side are refused."""
+    """A written number, of which two side by side are refused, but for what stands behind a fraction."""
 
     value: Expression
     offset: int
+    is_fraction: bool = False
 
 
 Value = Expression | Symbol | Table | _Raised | _Digits
@@ -100,12 +101,12 @@ class FormulaBuilder:
                 return tree.multiply(_number(token), tree.number(Fraction(1, 180)), Pi())
             case "fraction", (token, above, below):
                 value = tree.multiply(self._tree(above), tree.power(self._tree(below), -1))
-                return _Digits(value, token.start_pos or 0) if isinstance(value, Number) else value
+                return _Digits(value, token.start_pos or 0, True) if isinstance(value, Number) else value
             case "over", (above, _, below):
                 return tree.multiply(self._tree(above), tree.power(self._tree(below), -1))
             case "short_fraction", (token,):
                 above, below = [Fraction(c) for c in token if c.isdigit()]
-                return _Digits(tree.number(above / below), token.start_pos or 0)
+                return _Digits(tree.number(above / below), token.start_pos or 0, True)
             case "number", (token,):
                 return _Digits(_number(token), token.start_pos or 0)
             case "round", (value,):
@@ -212,7 +213,7 @@ class FormulaBuilder:
             if isinstance(child, Token):
                 divide, before = child.type == "SLASH", None
                 continue
-            if isinstance(child, _Digits) and isinstance(before, _Digits):
+            if isinstance(child, _Digits) and isinstance(before, _Digits) and not before.is_fraction:
                 raise _refused(child.offset, "two numbers side by side", remedy=r"write \cdot between them")
             before = child
             # c before an angle, as in c \theta_1; c^2 \theta is the square of the cosine

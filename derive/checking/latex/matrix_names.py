@@ -33,7 +33,7 @@ _SCRIPT = r"[_^]\s*(?:\{[^{}]*(?:\{[^{}]*\}[^{}]*)*\}|\\[a-z]+|\w)"
 _FONTS = r"\\(?:hat|widehat|mathbf|boldsymbol|bm|mathrm|mathit|mathcal|vec|text)"
 _PLAIN = r"\\(?:omega|alpha)(?![A-Za-z])|(?:(?<![A-Za-z\\])|(?<=\^T))[A-Za-z](?![A-Za-z])"
 _LETTER = rf"(?:{_FONTS}\s*\{{\s*[A-Za-z]\s*\}}|{_FONTS}\s+[A-Za-z]|{_PLAIN})"
-_DOTTED = rf"\\d?dot\s*(?:\{{\s*{_LETTER}\s*\}}|{_LETTER})"
+_DOTTED = rf"\\d?dot\s*(?:\{{\s*(?:{_LETTER}|\\theta)\s*\}}|{_LETTER}|\\theta(?![A-Za-z]))"
 _BRACKETS = r"\((?:[^()]|\([^()]*\))*\)"
 _ONE = (  # scripts before a letter are not those behind another one
     rf"(?:(?<![A-Za-z0-9}}])|(?![_^]))(?:\{{\s*(?:{_SCRIPT}\s*)*\}}\s*)?(?:{_SCRIPT}\s*)*(?:{_DOTTED}|{_LETTER})(?:{_SCRIPT})*"

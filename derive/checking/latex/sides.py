@@ -82,8 +82,9 @@ class SideReading(Comparing):
     def _by_names(self, side: Side, named: list[Side], said: list[Side]) -> Finding | None:
         """That a formula with names of matrices is equal to what stands beside it; None where that is not known."""
         is_open = isinstance(side.value, Table) and any(entry.unknown for entry in side.value.entries)
-        if not (side.error or is_open) or side.left is not None or not self.document:
-            return None  # a lone name says nothing about what it stands for
+        is_name = side.left is not None and not side.left.factor  # which says nothing about what it stands for
+        if not (side.error or is_open) or is_name or not self.document:
+            return None
         rights = [right for name in named for target in name.targets if (right := self.meanings.right(target))]
         printed = [other.value for other in said if isinstance(other.value, Table)]
         poses = self.scope.poses.readings if self.scope.poses else []  # [x y z]^T = R p + t

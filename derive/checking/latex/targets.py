@@ -155,7 +155,7 @@ def _dynamics(left: Left, n: int) -> Iterator[Target]:
 
 def _velocities(left: Left, n: int) -> Iterator[Target]:
     """Of the end effector, and of the joints."""
-    is_velocity = (left.head in ("v", "V", "xi", "nu") and not left.dots) or (left.head in "pP" and left.dots == 1)
+    is_velocity = (left.head in ("v", "V", "xi", "nu") and not left.dots) or (left.head in "pPX" and left.dots == 1)
     if is_velocity and left.sub in (*_END, "") and left.sup + left.before in ("", *_BASE):
         yield from (Target("twist", rows) for rows in ((), (1, 2, 3), (1, 2), (1, 2, 6)))
     yield from _of_link(left, n)
@@ -311,7 +311,9 @@ def _kinematics(left: Left, n: int, first: int) -> Iterator[Target]:
     yield from _seen_from(left, n)
     # entries of a vector, p_x or n_y, and coordinates by their own letters, x_E
     of_vector = left.sub[:1] in AXES and left.sub[1:] in ("", *_END)
-    is_axis = head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *_END) and not left.before_sub
+    is_axis = (
+        head.lower() in AXES and left.sub in ("", "P", "p", "g", "goal", *(_END - {"arm"})) and not left.before_sub
+    )
     if of_vector or is_axis:
         row = (AXES[left.sub[0] if of_vector else head.lower()],)
         columns = {"n": (1,), "s": (2,), "o": (2, 4), "a": (3,)}.get(head, ()) if of_vector else ()
