@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Iterator
 from contextlib import suppress
 from dataclasses import replace
-from functools import reduce
+from functools import cache, reduce
 from itertools import chain, islice, product
 
 import numpy as np
@@ -60,16 +60,25 @@ class MatrixNames:
     def __init__(self, meanings: Meanings, reader: LatexReader, equations: Iterable[Sides] = ()) -> None:
         self._meanings, self._reader = meanings, reader
         self._tables: dict[Target, Table] = {}
-        self._defined: dict[str, list[Table]] = {}  # what the text itself says of a letter
+        self._sides: dict[str, list[LatexPiece]] = {}  # what the text itself says of a letter
+        self._said = cache(self._read)
         for first, *others in equations:
             left = taken_apart(first.text) if others and not first.matrices else None
             left = replace(left, sup=left.sup.replace("0", "")) if left is not None else None  # in the axes of the base
-            for side in others if left is not None and left.is_plain else ():
-                with suppress(CheckError):
-                    made = list(self.values(side)) if _ELEMENTARY.search(side.text) else []
-                    found: list[Expression | Table] = [*made] or [reader.value(side)]  # a T may be that of a transpose
-                    tables = [t for t in found if isinstance(t, Table) and not any(e.unknown for e in t.entries)]
-                    self._defined.setdefault(left.flat if left else "", []).extend(tables)
+            if left is not None and left.is_plain:
+                self._sides.setdefault(left.flat, []).extend(others)
+
+    def _read(self, name: str) -> list[Table]:
+        """The matrices that the text says a name is."""
+        read = list[Table]()
+        for side in self._sides.pop(name, ()):  # which may name itself
+            with suppress(CheckError):
+                made = list(self.values(side)) if _ELEMENTARY.search(side.text) else []
+                found: list[Expression | Table] = [*made] or [
+                    self._reader.value(side)
+                ]  # a T may be that of a transpose
+                read += [t for t in found if isinstance(t, Table) and not any(e.unknown for e in t.entries)]
+        return read
 
     def values(self, piece: LatexPiece) -> Iterator[Table]:
         """The matrices that a formula with names of matrices may be."""
@@ -143,7 +152,7 @@ class MatrixNames:
         is_plain = left is not None and replace(left, dots=0, turned=Turned.NOT).is_plain
         if left is None or not is_plain or left.turned in (Turned.INVERTED, Turned.BOTH):
             return []
-        tables, by_time = self._defined.get(left.flat, []), lambda e: derivative(self._meanings.robot, e, "t")
+        tables, by_time = self._said(left.flat), lambda e: derivative(self._meanings.robot, e, "t")
         if left.dots:  # q = (30 deg, 45 deg) is where the arm stands
             tables = [table for table in tables if not all(is_constant(e.formula) for e in table.entries)]
         with suppress(CheckError):

@@ -315,7 +315,8 @@ def rewritten(found: Spelled, pattern: re.Pattern[str], write: Callable[[re.Matc
     text, origins = found
     pieces, places, last = list[str](), list[int](), 0
     for match in pattern.finditer(text):
-        new = write(match)
+        if (new := write(match)) == match[0]:
+            continue
         pieces += [text[last : match.start()], new]
         places += origins[last : match.start()]
         at = 0
