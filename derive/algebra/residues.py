@@ -57,23 +57,31 @@ class Residue:
             return other._held
         return other % self.prime if isinstance(other, int) else fraction_residue(Fraction(other), self.prime)
 
+    # Half of the numbers in the frames of an arm are 0 or 1, with which a sum or a product is the other operand itself.
     def __add__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self._held + self._other(other))
+        held, term = self._held, self._other(other)
+        if isinstance(term, int) and term == 0:
+            return self
+        if isinstance(held, int) and held == 0 and isinstance(other, Residue):
+            return other
+        return Residue(self.prime, held + term)
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self._held - self._other(other))
+        term = self._other(other)
+        return self if isinstance(term, int) and term == 0 else Residue(self.prime, self._held - term)
 
     def __rsub__(self, other: Any, /) -> Residue:
         return Residue(self.prime, self._other(other) - self._held)
 
     def __mul__(self, other: Any, /) -> Residue:
-        factor = self._other(other)
-        for one, another in ((self._held, factor), (factor, self._held)):
-            if isinstance(one, int) and one in (0, 1):
-                return Residue(self.prime, another if one else 0)
-        return Residue(self.prime, self._held * factor)
+        held, factor = self._held, self._other(other)
+        if isinstance(factor, int) and factor in (0, 1):
+            return self if factor else Residue(self.prime, 0)
+        if isinstance(held, int) and held in (0, 1) and isinstance(other, Residue):
+            return other if held else self
+        return Residue(self.prime, held * factor)
 
     __rmul__ = __mul__
 
