@@ -141,12 +141,14 @@ def test_errors_are_relative_and_a_function_without_a_natural_size_is_no_silent_
 TWO_BARS = robot_of_rows("R a: a1 | P alpha: pi/2", name="two-bars")
 
 
-def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path) -> None:
+def test_octave_is_found_by_its_variable_or_its_names(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "octave").write_text("#!/bin/sh\n")
     (tmp_path / "octave").chmod(0o755)
-    assert find_octave({"PATH": str(tmp_path)}) == (str(tmp_path / "octave"),)
-    assert find_octave({"PATH": str(tmp_path), "OCTAVE": "octave -W"}) == (str(tmp_path / "octave"), "-W")
-    assert find_octave({"PATH": str(tmp_path), "OCTAVE": "no-such-program"}) is None
+    monkeypatch.setenv("PATH", str(tmp_path))
+    found = {"": (str(tmp_path / "octave"),), "octave -W": (str(tmp_path / "octave"), "-W"), "no-such-program": None}
+    for variable, command in found.items():
+        monkeypatch.setenv("OCTAVE", variable)
+        assert find_octave() == command
 
 
 @needs_octave
