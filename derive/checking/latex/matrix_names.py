@@ -74,9 +74,8 @@ class MatrixNames:
         for side in self._sides.pop(name, ()):  # which may name itself
             with suppress(CheckError):
                 made = list(self.values(side)) if _ELEMENTARY.search(side.text) else []
-                found: list[Expression | Table] = [*made] or [
-                    self._reader.value(side)
-                ]  # a T may be that of a transpose
+                # a T may be that of a transpose
+                found: list[Expression | Table] = [*made] or [self._reader.value(side)]
                 read += [t for t in found if isinstance(t, Table) and not any(e.unknown for e in t.entries)]
         return read
 

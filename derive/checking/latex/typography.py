@@ -40,7 +40,7 @@ _INK = re.compile(
     # nothing in braces, but where it bears the scripts of the letter behind it: {}^0T_1
     r"|(?<=[A-Za-z0-9)}\]])\{\s*\}(?=\s*\^\s*(?:\{[^{}]*\}|[0-9])(?![_^]|\\?[A-Za-z{]))|\{\s*\}(?!\s*[_^])"
 )
-# A unit behind a number or a matrix, 1~\\mathrm{m}; nothing that goes on, as the upright letter of a name would.
+# A unit behind a number or a matrix, 1~\mathrm{m}, but no upright letter of a name, which would go on.
 _OF_UNIT = re.compile(
     r"(?P<kept>[0-9]|\\pi|\\end\{[bpv]?matrix\})(?:[\s~]|\\[,;: ])*\\(?:mathrm|text|textrm|mbox)\s*\{"
     r"(?:[\s~/.]|\\[,;: ]|\\cdot|(?:[ckm]?m|rad|deg|kg|Nm?|[sJW]|Hz)(?![A-Za-z])(?:\^\{?-?[0-9]\}?)?)+\}"
@@ -145,13 +145,8 @@ _SAME = dict.fromkeys("\u2212\u2010\u2011\u2013", "-") | dict.fromkeys("\u00b7\u
 _SAME |= dict.fromkeys("\u00a0\u2009\u202f\u2002\u2003\u200a\u2061\u2062\u200b\ufeff\t", " ")
 _SAME |= dict.fromkeys("\ue000\ue001\ue002\ue003\ue004", "?")  # signs of our own
 _SAME |= dict(zip("\uff0c\uff1b\uff1a\uff08\uff09\uff1d\uff0b\u3002", ",;:()=+.", strict=True))
-_SAME |= dict.fromkeys("\u27fa\u21d4\u21d2", ";") | {
-    "\u2215": "/",
-    "\u2032": "'",
-    "\u2019": "'",
-    "\u2261": "=",
-    "\u2113": "l",
-}
+_SAME |= {"\u2215": "/", "\u2032": "'", "\u2019": "'", "\u2261": "=", "\u2113": "l"}
+_SAME |= dict.fromkeys("\u27fa\u21d4\u21d2", ";")  # arrows part equations
 # Macros of brackets, and roots with an empty degree.
 _PLAIN_SIGNS = {"\\langle": "(", "\\rangle": ")", "\\lbrack": "[", "\\rbrack": "]", "\\sqrt[]": "\\sqrt"}
 _MACRO = re.compile("|".join(map(re.escape, _PLAIN_SIGNS)))

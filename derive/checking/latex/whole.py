@@ -46,7 +46,6 @@ _SUBTRACTED = re.compile(
     r"-\s*(?:\\[dt]?frac\s*\{\s*\\partial(?:[^{}]|\{[^{}]*\})*\}\s*\{\s*\\partial\s*(?:q|\\theta)\s*_\s*\{?\s*([a-z])\s*\}?\s*\})"
 )
 _JOINTS = re.compile(r"(?:\\(?:var)?theta|(?<![A-Za-z\\])q)\s*_\s*\{?\s*([1-9])\s*(?![0-9])\}?")
-
 Defined = tuple[str, int, Expression, LatexPiece]  # a name, its equation's number, what it stands for, its side
 _BLOCK = re.compile(r"[nosapPRdtT](?:[0-9]{1,2}|e|E|EE)?")  # in [R p; 0 1] or [n o a p; 0 0 0 1]
 
