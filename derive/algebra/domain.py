@@ -334,9 +334,10 @@ class PolynomialDomain:
         total = self.ring.zero if place is None else p.partial(place)
         for i, factors in self._turning.items():
             if factor := factors[variable]:
-                cosine, sine = self._generator_pair(i)
                 by_sine, by_cosine = (p.partial(self.places[kind, i]) for kind in (Kind.SINE, Kind.COSINE))
-                total = total + factor * (by_sine * cosine - by_cosine * sine)
+                if by_sine or by_cosine:
+                    cosine, sine = self._generator_pair(i)
+                    total = total + factor * (by_sine * cosine - by_cosine * sine)
         for at, joint in enumerate(self.robot.passive, self.robot.dof):
             if (slider := self.places.get((Kind.VARIABLE, at))) is not None:
                 total = total + p.partial(slider) * self.coupling[self.robot.joints.index(joint)][variable]

@@ -52,35 +52,38 @@ class Residue:
         """The integers as an array, (1, 1) of a number alone."""
         return np.array([[self._held]], dtype=np.int64) if isinstance(self._held, int) else self._held
 
-    def _other(self, other: Any) -> Any:
+    def _read(self, other: Any) -> Residue:
+        """Another operand, a residue or a rational."""
         if isinstance(other, Residue):
-            return other._held
-        return other % self.prime if isinstance(other, int) else fraction_residue(Fraction(other), self.prime)
+            return other
+        return Residue(self.prime, other if isinstance(other, int) else fraction_residue(Fraction(other), self.prime))
 
     # Half of the numbers in the frames of an arm are 0 or 1, with which a sum or a product is the other operand itself.
     def __add__(self, other: Any, /) -> Residue:
-        held, term = self._held, self._other(other)
-        if isinstance(term, int) and term == 0:
+        read = self._read(other)
+        held, term = self._held, read._held
+        if isinstance(term, int) and not term:
             return self
-        if isinstance(held, int) and held == 0 and isinstance(other, Residue):
-            return other
+        if isinstance(held, int) and not held:
+            return read
         return Residue(self.prime, held + term)
 
     __radd__ = __add__
 
     def __sub__(self, other: Any, /) -> Residue:
-        term = self._other(other)
-        return self if isinstance(term, int) and term == 0 else Residue(self.prime, self._held - term)
+        term = self._read(other)._held
+        return self if isinstance(term, int) and not term else Residue(self.prime, self._held - term)
 
     def __rsub__(self, other: Any, /) -> Residue:
-        return Residue(self.prime, self._other(other) - self._held)
+        return Residue(self.prime, self._read(other)._held - self._held)
 
     def __mul__(self, other: Any, /) -> Residue:
-        held, factor = self._held, self._other(other)
-        if isinstance(factor, int) and factor in (0, 1):
-            return self if factor else Residue(self.prime, 0)
-        if isinstance(held, int) and held in (0, 1) and isinstance(other, Residue):
-            return other if held else self
+        read = self._read(other)
+        held, factor = self._held, read._held
+        if isinstance(held, int) and held < 2:
+            return read if held else self
+        if isinstance(factor, int) and factor < 2:
+            return self if factor else read
         return Residue(self.prime, held * factor)
 
     __rmul__ = __mul__

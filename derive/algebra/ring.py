@@ -8,7 +8,7 @@ equality is equality of coefficients.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -256,9 +256,14 @@ def fraction(value: fmpq) -> Fraction:
 
 
 def determinant(rows: Sequence[Sequence[E]]) -> E:
-    """The determinant of a matrix (n, n) of polynomials or other scalars by Laplace expansion, every minor once.
+    """The determinant of a matrix (n, n) of polynomials or other scalars."""
+    return minors(rows, [tuple(range(len(rows)))])[0]
 
-    With the rows taken from the last one up, a minor is fixed by its columns; a matrix of size n has 2^n of them.
+
+def minors(rows: Sequence[Sequence[E]], chosen: Iterable[tuple[int, ...]]) -> list[E]:
+    """The determinants of some columns of a matrix, as many as it has rows, by Laplace expansion, every minor once.
+
+    With the rows taken from the last one up, a minor is fixed by its columns; a square matrix has 2^n of them.
     """
     size = len(rows)
 
@@ -274,4 +279,4 @@ def determinant(rows: Sequence[Sequence[E]]) -> E:
                 total = total - rest if place % 2 else total + rest
         return total
 
-    return _minor(tuple(range(size)))
+    return [_minor(columns) for columns in chosen]

@@ -107,8 +107,9 @@ ROWS = (
         "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
         kinematics.hessians,
         exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.loops,
+        margin=1.0,
         search=False,
-        **_OF_ENDS,
+        of_end=True,
     ),
     *(
         _row(

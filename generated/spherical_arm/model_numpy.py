@@ -205,7 +205,7 @@ def jacobian_hessian(q, params=None, out=None):
         H, (..., 6, 3, 3):
         entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
 
-    Products of columns of the geometric Jacobian: 11 mul, 2 add, 2 sin, 2 cos.
+    Products of columns of the geometric Jacobian by the shortest ways to the world frame: 11 mul, 2 add, 2 sin, 2 cos.
     """
     return _FUNCTIONS["jacobian_hessian"]((q,), params, out)
 

@@ -150,7 +150,7 @@ void spherical_wrist_jacobian_dot_constants(const double *params, double *k);
  * @param[in]  k       1 constants from jacobian_hessian_constants().
  * @param[out] result  H, 6 x 3 x 3, row by row: entry r, i, j: d J_ri / d q_j; dJ/dt is H qd.
  *
- * Products of columns of the geometric Jacobian: 9 mul, 2 sin, 2 cos.
+ * Products of columns of the geometric Jacobian by the shortest ways to the world frame: 10 mul, 2 sin, 2 cos.
  */
 void spherical_wrist_jacobian_hessian(const double *q, const double *k, double *result);
 

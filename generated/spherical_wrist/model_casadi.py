@@ -51,7 +51,7 @@ OPERATIONS = {
     "jacobian": {"mul": 8, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_end": {"mul": 6, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "jacobian_dot": {"mul": 17, "add": 4, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
-    "jacobian_hessian": {"mul": 9, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
+    "jacobian_hessian": {"mul": 10, "add": 0, "div": 0, "sin": 2, "cos": 2, "sqrt": 0},
     "analytic_jacobian_rpy": {"mul": 26, "add": 5, "div": 2, "sin": 3, "cos": 3, "sqrt": 1},
     "analytic_jacobian_zyz": {"mul": 8, "add": 0, "div": 1, "sin": 2, "cos": 2, "sqrt": 1},
     "manipulability": {"mul": 0, "add": 0, "div": 0, "sin": 1, "cos": 0, "sqrt": 0},
@@ -297,31 +297,30 @@ def _jacobian_hessian(functions, k, q):
     (p_d6,) = k
     c1 = cos(q1)
     s2 = sin(q2)
-    t1 = c1*s2
-    t2 = p_d6*t1
+    t1 = p_d6*s2
+    t2 = c1*t1
     s1 = sin(q1)
-    t3 = s2*s1
-    t4 = p_d6*t3
+    t3 = t1*s1
     c2 = cos(q2)
-    t5 = p_d6*c2
-    t6 = s1*t5
-    t7 = c1*t5
+    t4 = p_d6*c2
+    t5 = s1*t4
+    t6 = c1*t4
     return (
-        -t2, -t6, 0.0,
-        -t6, -t2, 0.0,
+        -t2, -t5, 0.0,
+        -t5, -t2, 0.0,
         0.0, 0.0, 0.0,
-        -t4, t7, 0.0,
-        t7, -t4, 0.0,
+        -t3, t6, 0.0,
+        t6, -t3, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
-        0.0, -t5, 0.0,
+        0.0, -t4, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         -c1, 0.0, 0.0,
-        -t3, c1*c2, 0.0,
+        -s2*s1, c1*c2, 0.0,
         0.0, 0.0, 0.0,
         -s1, 0.0, 0.0,
-        t1, s1*c2, 0.0,
+        c1*s2, s1*c2, 0.0,
         0.0, 0.0, 0.0,
         0.0, 0.0, 0.0,
         0.0, -s2, 0.0,

@@ -156,7 +156,7 @@ class Evidence:
         """Cosine and sine of phi_v - phi_u of a group, counted as the joint behind link u is."""
         (c, s), (d, e) = self.turns[g][u], self.turns[g][v]
         p, direction = self.prime, self.domain.directions[self.domain.groups[g][u]]
-        return (c * d % p + s * e % p) % p, direction * ((c * e % p - s * d % p) % p)
+        return (c * d + s * e) % p, direction * ((c * e - s * d) % p)
 
     def _table(self, links: Links[Residue], cuts: Sequence[Cut], pose: Atoms[Residue]) -> Array:
         """The difference of both sides of every equation in every sample, with W as given at each of the poses."""
@@ -255,5 +255,5 @@ class Evidence:
 def _product(a: Array, b: Array, p: int) -> Array:
     total: Array = np.zeros((*a.shape[:-1], b.shape[1]), dtype=np.int64)
     for k in range(b.shape[0]):
-        total = (total + a[..., k : k + 1] * b[k] % p) % p
+        total = (total + a[..., k : k + 1] * b[k]) % p
     return total

@@ -233,26 +233,27 @@ class Search:
         if len(linear) < 2:
             return []
         p, numbers = self.evidence.prime, np.array(linear)
-        cosines, sines = coefficients[numbers, :, 1], coefficients[numbers, :, 2]
-        products = cosines[:, None] * sines[None] % p
-        # A E - B D of every pair, for each pose.
-        determinants = (products - products.transpose(1, 0, 2)) % p
         known: dict[object, int] = {}  # numbers of the cuts and kinds of entry
         own = (self.evidence.equations[k] for k in linear)
         cuts = np.array([known.setdefault((cut, entry[0], "." in entry), len(known)) for cut, entry in own])
-        length = self.lengths[numbers][:, None] + self.lengths[numbers][None] + UNLIKE * (cuts[:, None] != cuts[None])
+        rows, columns = np.triu_indices(len(linear), 1)
+        length = self.lengths[numbers[rows]] + self.lengths[numbers[columns]] + UNLIKE * (cuts[rows] != cuts[columns])
+        # A E - B D of every pair, for each pose; two products of residues fit into 64 bits together.
+        a, b = coefficients[numbers, :, 1], coefficients[numbers, :, 2]
+        determinants = (a[rows] * b[columns] - b[rows] * a[columns]) % p
+        nonzero = np.all(determinants != 0, axis=1)
+        constant = nonzero & np.all(determinants == determinants[:, :1], axis=1)
         # A D + B E = 0 with A^2 + B^2 = D^2 + E^2: the second is the first turned by a right angle.
-        inner = (cosines[:, None] * cosines[None] % p + sines[:, None] * sines[None] % p) % p
-        squares = np.diagonal(inner).T
-        nonzero = np.triu(np.all(determinants != 0, axis=2))
-        constant = nonzero & np.all(determinants == determinants[:, :, :1], axis=2)
-        turned = np.all((inner == 0) & (squares[:, None] == squares[None]), axis=2) & nonzero & ~constant
+        turned, squares = nonzero & ~constant, (a * a + b * b) % p
+        turned &= np.all(squares[rows] == squares[columns], axis=1)
+        i, j = rows[turned], columns[turned]
+        turned[turned] = np.all((a[i] * a[j] + b[i] * b[j]) % p == 0, axis=1)
         choices = []
         for rank, mask in ((0, constant), (1, turned), (4, nonzero & ~constant & ~turned)):
-            rows, columns = np.nonzero(mask)
-            for k in np.argsort(length[rows, columns], kind="stable")[:CONSIDERED]:
-                i, j = rows[k], columns[k]
-                choices.append(Choice(NodeKind.TYPE_3, (linear[i], linear[j]), (rank, int(length[i, j]))))
+            found = np.flatnonzero(mask)
+            for k in found[np.argsort(length[found], kind="stable")[:CONSIDERED]]:
+                pair = linear[rows[k]], linear[columns[k]]
+                choices.append(Choice(NodeKind.TYPE_3, pair, (rank, int(length[k]))))
         return choices
 
     @staticmethod

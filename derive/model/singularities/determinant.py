@@ -192,7 +192,7 @@ def _of_determinant(robot: Robot, style: Style) -> Singularities | None:
         expression = write(factor.value)
         is_position, has_wrist = blocks[0].task == ("position",), len(blocks) == 2
         condition = zero_condition(zeros, factor, expression, write, is_position=is_position, has_wrist=has_wrist)
-        found.append(SingularFactor(expression, factor.exponent, condition, bool(zeros.moving(factor.value))))
+        found.append(SingularFactor(expression, factor.exponent, condition, zeros.moves(factor.value)))
     product = sympy.Mul(*(f.expression**f.exponent for f in found))
     families = tuple((f.condition,) for f in found if f.condition is not None)
     outcome = Outcome.FOUND if families else Outcome.NEVER

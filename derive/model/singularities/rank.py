@@ -58,6 +58,10 @@ class RealZeros:
         """The joints (from 0) whose variables change a polynomial."""
         return tuple(i for i in range(self.domain.robot.n) if self.domain.derivative(p, i))
 
+    def moves(self, p: Polynomial) -> bool:
+        """Whether any joint's variable changes a polynomial."""
+        return any(self.domain.derivative(p, i) for i in range(self.domain.robot.n))
+
     def is_number(self, p: Polynomial) -> bool:
         """Whether a polynomial that does not move has a number."""
         return all(self._values[i] is not None for i, degree in enumerate(p.degrees()) if degree)
@@ -223,7 +227,7 @@ class CommonZeros:
         left, pivots = [list(row) for row in rows if any(row)], list[Polynomial]()
         while True:
             entries = [(i, j, p) for i, row in enumerate(left) for j, p in enumerate(row)]
-            still = [(i, j) for i, j, p in entries if not self.zeros.moving(p) and not self.zeros.vanishes(p)]
+            still = [(i, j) for i, j, p in entries if not self.zeros.moves(p) and not self.zeros.vanishes(p)]
             if not still:
                 return len(pivots), left, pivots
             costs = []
@@ -259,7 +263,7 @@ class CommonZeros:
         found = {}
         for factor in self._factoring.factors(p):
             key = _key(factor)
-            if self.zeros.moving(factor.value):
+            if self.zeros.moves(factor.value):
                 if self.zeros.exist((factor.value,)) is not False:
                     found[key] = factor
             elif not self.zeros.is_number(factor.value):

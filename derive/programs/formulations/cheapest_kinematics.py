@@ -33,7 +33,7 @@ from derive.mechanics.vectors import (
 from derive.programs.formulations.choice import choose
 from derive.programs.formulations.frame_choice import ParallelRun, Placement
 from derive.programs.optimise.search_policy import POLICY
-from derive.programs.tape.graph import ZERO, Ref
+from derive.programs.tape.graph import Ref
 from derive.programs.tape.value import Value
 
 Ways = list[Vector[Value]]
@@ -301,7 +301,7 @@ def _reach(stations: Stations, r: int, joint: int, route: _Route) -> Vector[Valu
         x, y, z = stations.reach(k, start, beyond=k == route.end)
         v = (x, y, stations.chain.zero) if start >= 0 else add(stations.entries[k], (x, y, z))
         meeting = min(k, route.meeting)
-        along = [axis for axis in range(3) if v[axis].ref != ZERO]
+        along = [axis for axis in range(3) if v[axis]]
         if route.scaled and len(along) == 1:
             # A multiple of an axis, which other columns may have turned already.
             way = scale(v[along[0]], stations.world(k, stations.axes[along[0]], meeting))

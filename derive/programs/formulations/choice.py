@@ -148,17 +148,18 @@ class _Needs:
 
     def settled(self, found: list[int]) -> tuple[int, list[int]]:
         """A combination that no change of one group improves, with its cost before it."""
-        groups = self.groups
-        spent = self._cost(_union(groups[g][k] for g, k in enumerate(found)))
+        chosen = [options[k] for options, k in zip(self.groups, found, strict=True)]
+        spent = self._cost(_union(chosen))
         changed = True
         while changed:
             changed = False
-            for group in range(len(found)):
-                beside = _union(groups[g][k] for g, k in enumerate(found) if g != group)
+            for group in (g for g, options in enumerate(self.groups) if len(options) > 1):
+                beside = _union(chosen[:group] + chosen[group + 1 :])
                 place = self._cheapest(group, beside)
-                now = self._cost(beside | groups[group][place])
+                now = self._cost(beside | self.groups[group][place])
                 if now < spent:
-                    found[group], spent, changed = place, now, True
+                    found[group], chosen[group] = place, self.groups[group][place]
+                    spent, changed = now, True
         return spent, found
 
 

@@ -28,7 +28,7 @@ from derive.mechanics.regrouping import Rule, regroup
 from derive.mechanics.vectors import Frame, Matrix, Vector, add, column, identity, matmul, multiply, scale
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.build import Cost
-from derive.programs.tape.graph import MINUS_ONE, ONE, ZERO, Ref
+from derive.programs.tape.graph import MINUS_ONE, ONE, Ref
 from derive.programs.tape.value import Value
 
 FrameChoices = tuple[FrameChoice, ...]  # what is chosen at each joint
@@ -52,12 +52,12 @@ def places(chain: Chain[Value], i: int) -> tuple[Place, ...]:
     joint = chain.joints[i]
     # Moving the origin along the axis matters only where there is an offset to leave out.
     found = [Place.AFTER]
-    if joint.revolute and joint.offset.ref != ZERO:
+    if joint.revolute and joint.offset:
         found.append(Place.BEFORE)
     followers = [chain.joints[k] for k in chain.followers(i)]
     if joint.revolute and len(followers) == 1:
         after = followers[0]
-        if after.revolute and _direction(axis(after)) and after.offset.ref != ZERO:
+        if after.revolute and _direction(axis(after)) and after.offset:
             found.append(Place.BEYOND)
     return tuple(found)
 
@@ -72,7 +72,7 @@ def holdable(chain: Chain[Value], i: int) -> bool:
 
 
 def _is_unturned(joint: ChainJoint[Value]) -> bool:
-    return joint.cosine.ref == ONE and joint.sine.ref == ZERO
+    return joint.cosine.ref == ONE and not joint.sine
 
 
 def _slides_along_all(chain: Chain[Value], i: int) -> bool:
@@ -328,6 +328,6 @@ def _placements(chain: Chain[Value], first: int, total: SumOfTurns) -> tuple[Pla
 
 def _direction(z: Vector[Value]) -> int:
     """+1 for the z axis itself, -1 for its opposite, else 0; exact."""
-    if z[0].ref != ZERO or z[1].ref != ZERO:
+    if z[0] or z[1]:
         return 0
     return {ONE: 1, MINUS_ONE: -1}.get(z[2].ref, 0)

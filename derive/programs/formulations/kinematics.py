@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from itertools import combinations
 
-from derive.algebra.ring import determinant
+from derive.algebra.ring import determinant, minors
 from derive.mechanics import forward_kinematics as recursion
 from derive.mechanics.chain import Chain
 from derive.mechanics.energy import Wrench
@@ -17,7 +17,6 @@ from derive.programs.formulations.trace import Trace, flat, iterated_positions
 from derive.programs.optimise.improve import improved_values
 from derive.programs.optimise.search_policy import POLICY
 from derive.programs.tape.derivative import derivative, gradient
-from derive.programs.tape.graph import ZERO
 from derive.programs.tape.value import QD, WRENCH, Q, Value
 from derive.robot.options.inverse import POSE
 from derive.robot.task_rows import PARTS, task_rows
@@ -111,7 +110,7 @@ def manipulabilities(part: str, trace: Trace) -> Iterator[Formulation]:
         return
     at_end = set(rows) <= set(PARTS["position"])
     for k in range(1, n + 1) if n <= POLICY.most_stations else (n // 2,):
-        seen = recursion.jacobian_from(trace.chain, k, at_end=at_end)
+        seen = trace.jacobian_from(k, at_end=at_end)
         yield Formulation(f"volume of rows in joint frame {k}", partial(_volume, seen, rows))
 
 
@@ -202,7 +201,7 @@ def _seen(frame: str, trace: Trace) -> Iterator[tuple[str, Matrix, Vector[Value]
         if frame == WORLD:
             force, moment = to_child(chain.joints[k - 1], force), to_child(chain.joints[k - 1], moment)
         if n <= POLICY.most_stations or k == n // 2:
-            yield f"joint frame {k}", recursion.jacobian_from(chain, k, at_end=True), force, moment
+            yield f"joint frame {k}", trace.jacobian_from(k, at_end=True), force, moment
         if frame == END:
             force, moment = to_parent(chain.joints[k - 1], force), to_parent(chain.joints[k - 1], moment)
 
@@ -216,14 +215,13 @@ def _volume(jacobian: Matrix, rows: Sequence[int]) -> list[Value]:
     if len(rows) > len(jacobian[0]):
         matrix = [list(column) for column in zip(*matrix, strict=True)]
     # minors begin with the last rows, which are to be sparse
-    matrix = sorted(matrix, key=lambda row: sum(value.ref != ZERO for value in row))[::-1]
+    matrix = sorted(matrix, key=lambda row: sum(map(bool, row)))[::-1]
     size, length = len(matrix), len(matrix[0]) if matrix else 2
     if length > size + 1:
         products = [[sum((x * y for x, y in zip(a, b, strict=True)), zero) for b in matrix] for a in matrix]
         return [abs(determinant(products)).sqrt() if products else zero]
-    chosen = combinations(range(length), size)
-    minors = [determinant([[row[j] for j in places] for row in matrix]) for places in chosen]
-    return [abs(minors[0]) if size == length else sum((minor * minor for minor in minors), zero).sqrt()]
+    found = minors(matrix, combinations(range(length), size))
+    return [abs(found[0]) if size == length else sum((minor * minor for minor in found), zero).sqrt()]
 
 
 def analytic_jacobians(kind: str, trace: Trace) -> Iterator[Formulation]:

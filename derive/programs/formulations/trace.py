@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
-from functools import cached_property, partial, reduce
+from functools import cache, cached_property, partial, reduce
 from itertools import product
 from math import prod
 from typing import TYPE_CHECKING
@@ -23,6 +23,7 @@ from derive.inverse.closed.graph import GraphWalk
 from derive.inverse.closed.unknowns import turned
 from derive.mechanics.chain import Chain, build_chain
 from derive.mechanics.energy import gravity_vector, inertia_matrix, kinetic_energy, potential_energy
+from derive.mechanics.forward_kinematics import jacobian_from
 from derive.mechanics.newton_euler import inverse_dynamics
 from derive.mechanics.torque_derivatives import coriolis_matrix
 from derive.mechanics.vectors import Frame
@@ -189,6 +190,8 @@ class Trace:
         self._to_ends: dict[str, tuple[Trace, tuple[int, ...]]] = {}
         self._cheapest: dict[str, tuple[FrameChoices, ...]] = {}
         self._arranged: dict[tuple[FrameChoices, bool], Chain[Value]] = {}
+        # J seen from a joint frame, of the end effector or of the frame's origin, which several functions begin with
+        self.jacobian_from = cache(partial(jacobian_from, self.chain))
 
     @cached_property
     def half(self) -> Value:

@@ -61,6 +61,7 @@ class Network:
         self.work = 0  # divisors looked at so far, by which effort is measured
         self.watcher: Watcher | None = None
         self._costs: dict[int, int] = {}
+        self._used: dict[int, list[int]] = {}  # the variables that stand in each definition
         self._by_residue: dict[int, list[int]] = {}
         self._log: list[tuple[int, Definition | None]] = []
         self._changed: list[int] = []
@@ -125,7 +126,7 @@ class Network:
         stack = [variable]
         # Along definitions to what they use; there is no circle, so this ends.
         while stack:
-            for used in occurrences(self.definition[stack.pop()]):
+            for used in self._used[stack.pop()]:
                 if used == other:
                     return True
                 if used not in seen:
@@ -144,7 +145,7 @@ class Network:
         # The old definition's variables lose one user for each time that they stand in it.
         if old is not None:
             self.cost -= self._costs[variable]
-            used = occurrences(old)
+            used = self._used[variable]
             for other in used:
                 row = users[other]
                 if row[variable] > 1:
@@ -158,12 +159,13 @@ class Network:
         if definition is not None:
             self.definition[variable] = definition
             if isinstance(definition, dict):
-                cost = polynomial_cost(definition)
+                cost, used = polynomial_cost(definition), [other for monomial in definition for other in monomial]
             else:
                 cost = 0 if definition.op is None else OPERATION_COST[definition.op]
-            self._costs[variable] = cost
+                used = [operand.variable for operand in definition.operands if operand.variable is not None]
+            self._costs[variable], self._used[variable] = cost, used
             self.cost += cost
-            for other in occurrences(definition):
+            for other in used:
                 row = users.setdefault(other, {})
                 row[variable] = row.get(variable, 0) + 1
             self._changed.append(variable)
@@ -179,7 +181,7 @@ class Network:
         while stack:
             variable = stack[-1]
             # Depth first without recursion: a variable stays on the stack until all that it uses is done.
-            waiting = [k for k in occurrences(self.definition[variable]) if k not in done]
+            waiting = [k for k in self._used[variable] if k not in done]
             if waiting:
                 stack.extend(reversed(waiting))
                 continue
@@ -269,13 +271,6 @@ class Network:
                 self.plus(result, tuple(sorted((*rest, *m))), self.coefficients.multiply(coefficient, k))
         # Powers of the variable: one factor was written out at a time.
         return self.expanded(result, variable, inner) if any(variable in m for m in result) else result
-
-
-def occurrences(definition: Definition) -> list[int]:
-    """The variables of a definition."""
-    if isinstance(definition, Opaque):
-        return [operand.variable for operand in definition.operands if operand.variable is not None]
-    return [variable for monomial in definition for variable in monomial]
 
 
 def single(polynomial: Polynomial) -> Operand | None:

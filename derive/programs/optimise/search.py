@@ -223,8 +223,8 @@ class Circle:
 
     def shortest(self, polynomial: Polynomial) -> Polynomial:
         """A polynomial with one kind of squares written out, if that is cheaper."""
-        rewritten = (self.without(polynomial, variable) for variable in self.squares(polynomial))
-        return min([polynomial, *rewritten], key=polynomial_cost)
+        rewritten = [self.without(polynomial, variable) for variable in self.squares(polynomial)]
+        return min([polynomial, *rewritten], key=polynomial_cost) if rewritten else polynomial
 
 
 class Search:
@@ -355,14 +355,13 @@ class Search:
         for variable in circle.partner:
             if network.work > self._limit:
                 return
-            cost, mark = network.cost, network.mark()
+            cost, mark, own = network.cost, network.mark(), network.users.get(variable, {})
             # Squares may be hidden in products, and in sums that are used once: those are written out first.
-            users = [(v, p) for v, p in network.polynomials() if v in network.users.get(variable, ())]
+            users = [(v, p) for v, p in network.polynomials() if v in own]
             hidden = [v for v, _ in users if len(network.users[v]) == 1] + [v for v, p in users if len(p) == 1]
             for inner in dict.fromkeys(hidden):  # products and single-use sums in which a square may hide
                 self._write_out(inner, None)
-            users = [(v, p) for v, p in network.polynomials() if v in network.users.get(variable, ())]
-            holders = [(v, p) for v, p in users if variable in circle.squares(p)]
+            holders = [(v, p) for v, p in network.polynomials() if v in own and variable in circle.squares(p)]
             for holder, polynomial in holders:
                 network.define(holder, circle.without(polynomial, variable))
             # All together must save: half of an identity only makes sums longer.

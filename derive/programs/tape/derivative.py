@@ -20,7 +20,7 @@ def derivative(values: Sequence[Value], rates: Mapping[Value, Value]) -> list[Va
     graph = values[0].graph
     refs = [value.ref for value in values]
     # A rate belongs to the node; where the reference is to minus the node, so is the rate.
-    pairs = ((source.ref, rate.ref) for source, rate in rates.items() if rate.ref != ZERO)
+    pairs = ((source.ref, rate.ref) for source, rate in rates.items() if rate)
     tangents = {node_of(source): signed(rate, is_negative(source)) for source, rate in pairs}
     # In the order of creation: operands have their rates before their users.
     for i in reachable(graph, refs):
