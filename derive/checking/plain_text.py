@@ -2,6 +2,7 @@
 
 import re
 import unicodedata
+from collections.abc import Iterable
 
 from derive.checking.latex.typography import Spelled, blank, rewritten
 
@@ -29,6 +30,9 @@ ROWS = re.compile(rf"\[[ \t]*{_ROW}(?:[ \t]*,?[ \t]*\n?[ \t]*{_ROW})+[ \t]*\]")
 _MATRIX = re.compile(
     rf"^(?P<left>[ \t]*{_LETTER}\w{{0,9}}(?:\([\w, ]*\))?[ \t]*=[ \t]*)(?P<rows>{ROWS.pattern})", re.MULTILINE
 )
+_BRACKETED = re.compile(r"\[([^\[\]]+)\]")
+# Matrices drawn over lines, a row of each on every line, between them on one line what they are: J = [a  b] [u]
+DRAWN = re.compile(r"^(?:[^\[\]\n]*=[ \t]*\n)?(?:[^\[\]\n]*(?:\[[^\[\]\n=]+\][ \t=]*)+(?:\n|\Z)){2,}", re.MULTILINE)
 _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
     re.MULTILINE,
@@ -48,8 +52,10 @@ _STATED = re.compile(
 )
 _WORD = re.compile(
     rf"(?<![A-Za-z\\])(?:[A-Za-z]+2?\(|(?P<function>{_FUNCTIONS})[ \t]+(?=[^=\s(])"
-    r"|(?P<greek>theta|phi|psi|alpha|beta|gamma|pi|[\u03b1-\u03c9])(?P<dots>[\u0307\u0308]?)_?(?P<index>[0-9]*)(?![A-Za-z]))"
+    r"|(?P<letter>theta|phi|psi|alpha|beta|gamma|pi|[\u03b1-\u03c9]|[A-Za-z](?=[0-9]*_dd?ot\b))(?P<dots>[\u0307\u0308]?)"
+    r"_?(?P<index>[0-9]*)(?:_(?P<rate>dd?)ot\b|(?![A-Za-z])))"
 )
+_DOTS = {"\u0307": "\\dot", "\u0308": "\\ddot", "d": "\\dot", "dd": "\\ddot"}
 
 
 def is_equation(code: str) -> bool:
@@ -65,7 +71,8 @@ def from_plain_text(text: str) -> Spelled:
     is_signed = re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0])
     if not is_signed and "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
         return rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
-    found = rewritten(found, _MATRIX, _grid)
+    found = rewritten(found, DRAWN, _drawn)
+    found = rewritten(found, _MATRIX, lambda m: f"$${m['left'].strip()} {_matrix(_BRACKETED.findall(m['rows']))}$$")
     outside = re.sub(r"(?s)\$\$.*?\$\$|\\\[.*?\\\]|\\begin\{(\w+)\*?\}.*?\\end\{\1\}", lambda m: blank(m[0]), found[0])
 
     def display(match: re.Match[str]) -> str:
@@ -95,24 +102,35 @@ def _restored(match: re.Match[str]) -> str:
     return match[0] if is_inside else f"$${match['body']}$$"
 
 
-def _grid(match: re.Match[str]) -> str:
-    """Rows in brackets as a matrix."""
-    rows = (
-        re.sub(r",(?![^(]*\))", "&", row) for row in re.findall(r"\[([^\[\]]+)\]", _WORD.sub(_macro, match["rows"]))
-    )
-    grid = "\\\\\n".join(rows)
-    return rf"$${match['left'].strip()} \begin{{bmatrix}}{grid}\end{{bmatrix}}$$"
+def _drawn(match: re.Match[str]) -> str:
+    """Matrices drawn over lines as one equation."""
+    lines = match[0].rstrip("\n").split("\n")
+    head = "" if "[" in lines[0] else lines.pop(0)
+    rows = [_BRACKETED.findall(line) for line in lines]
+    beside = [" ".join(_BRACKETED.sub("[]", line).split()) for line in lines]
+    own = [text for text in beside if text.strip("[] ")] or beside[:1]
+    said = head + own[0]
+    if len(own) > 1 or len({*map(len, rows)}) > 1 or said.count("=") != 1 or re.search(r"[\\$]", match[0]):
+        return match[0]
+    matrices = (*map(_matrix, zip(*rows, strict=True)), "")
+    parts = _WORD.sub(_macro, said).split("[]")
+    return "$$" + "".join(part + matrix for part, matrix in zip(parts, matrices, strict=True)) + "$$\n"
+
+
+def _matrix(rows: Iterable[str]) -> str:
+    """A matrix of rows, whose entries commas part, or two spaces."""
+    parted = (re.sub(r",(?![^(]*\))[ \t]*|[ \t]{2,}", " & ", row.strip()) for row in rows)
+    return "\\begin{bmatrix}" + _WORD.sub(_macro, "\\\\\n".join(parted)) + "\\end{bmatrix}"
 
 
 def _macro(match: re.Match[str]) -> str:
     r"""A function or a Greek letter of plain text: ``\operatorname{atan2}(``, ``\theta_{12}``."""
     if match["function"]:
         return f"\\operatorname{{{match['function']}}} "
-    if match["greek"]:
-        greek = match["greek"] if match["greek"].isascii() else unicodedata.name(match["greek"]).split()[-1].lower()
-        dotted = {"\u0307": "\\dot", "\u0308": "\\ddot"}.get(match["dots"], "")
-        written = f"{dotted}{{\\{greek}}}" if dotted else f"\\{greek}"
-        return written + (f"_{{{match['index']}}}" if match["index"] else " ")
+    if letter := match["letter"]:
+        name = letter if letter.isascii() else unicodedata.name(letter).split()[-1].lower()
+        plain, dotted = name if len(name) == 1 else f"\\{name}", _DOTS.get(match["rate"] or match["dots"], "")
+        return (f"{dotted}{{{plain}}}" if dotted else plain) + (f"_{{{match['index']}}}" if match["index"] else " ")
     name = match[0][:-1]
     known = {"sqrt", "sin", "cos", "tan", "atan", "acos", "asin", "atan2", "arctan", "arccos", "arcsin", "sgn", "sign"}
     return f"\\operatorname{{{name}}}(" if name.casefold() in known | {"sen", "tg"} else match[0]

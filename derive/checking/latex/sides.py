@@ -228,7 +228,7 @@ class SideReading(Comparing):
         moves = energy and not self.joints.keys().isdisjoint(names(energy))
         known = {left.flat: energy} if left and energy and moves else {}
         for given in ({}, several) if len(equation) > 1 else ():
-            with suppress(CheckError):
+            with suppress(CheckError, ArithmeticError):  # a reading may divide by what is zero
                 (first, other), letters = self._with_letters(index, (equation[0], equation[-1]), given | known)
                 pairs = list(zip(first.entries, other.entries, strict=first.shape == other.shape))
                 zeros = [add(a.formula, negate(b.formula)) for a, b in pairs]

@@ -355,7 +355,7 @@ _NESTED = r"(?:[^()$]|\((?:[^()$]|\([^()$]*\))*\))*"
 _WAYS: tuple[tuple[re.Pattern[str], Callable[[re.Match[str]], str]], ...] = (
     (_DOTTED, _dotted),
     (re.compile(r"\u221a\s*(?:\(((?:[^()]|\([^()]*\))*)\)|(\w+))"), lambda m: f"\\sqrt{{{m[1] or m[2]}}}"),
-    (re.compile(rf"\\sqrt\s*\(({_NESTED})\)"), lambda m: f"\\sqrt{{{m[1]}}}"),
+    (re.compile(rf"\\(?:sqrt|operatorname\{{sqrt\}})\s*\(({_NESTED})\)"), lambda m: f"\\sqrt{{{m[1]}}}"),
     (re.compile(r"\\sqrt\s*([0-9])"), lambda m: f"\\sqrt{{{m[1]}}}"),
     (_FRACTION, _fraction),
     (_BEFORE, lambda m: "{}" + re.sub(r"[_^]\{\}", "", m[1] + m[2] if m[4] is None else f"^{{{m[3]}}}_{{{m[4]}}}")),
