@@ -59,8 +59,9 @@ class PoseNames:
         o_is_position = "s" in letters or not letters.intersection("npaP")
         bob = "|p" if robot.n < 3 else ""  # x_p of a pendulum; of other arms p is any point
         entries, wrist = dict[str, tuple[int, int]](), dict[str, int]()
+        letter = "[rR]" if robot.has_dynamics else "[rRm]"  # with links m_12 is an entry of the inertia matrix
         for word, short in flat.items():
-            if found := re.fullmatch(r"[rR]([123])([123])|[tT]([123])([1234])", short):
+            if found := re.fullmatch(rf"{letter}([123])([123])|[tT]([123])([1234])", short):
                 row, column = [int(group) for group in found.groups() if group]
                 entries[word] = row, column
             elif found := _COLUMN.fullmatch(short):
