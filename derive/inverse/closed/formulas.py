@@ -240,12 +240,12 @@ class GraphDerivation:
         return SolutionGraph(*own, tuple(self.nodes), self.shifts, to_end=self.to_end, from_base=from_base)
 
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
-        """A new node, after the sums of angles that it needs."""
+        """A new node, after the sums of angles that it needs, which come in an order that no hash decides."""
         needed = {name for formula in formulas for name in _names_of_formula(formula)}
         owners = {name: unknown for unknown in self.domain.unknowns() for name in unknown.generators}
         parts = {part for formula in formulas for part, _ in formula.parts}
-        wanted = parts | {owners[name] for name in needed if name in owners}
-        needs = tuple(sorted({self._ensure(unknown) for unknown in wanted - set(unknowns)}))
+        wanted = (parts | {owners[name] for name in needed if name in owners}) - set(unknowns)
+        needs = tuple(sorted({self._ensure(one) for one in sorted(wanted, key=lambda one: one.joints)}))
         index = len(self.nodes)
         self.nodes.append(Node(index, unknowns, formulas, needs, max(formula.branches for formula in formulas)))
         self.homes.update(dict.fromkeys(unknowns, index))

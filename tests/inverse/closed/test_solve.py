@@ -119,6 +119,12 @@ def test_what_a_file_asks_and_the_arm_cannot_do_is_said_with_its_place(block: st
         solve(arm_of("standard", "R 0 0 a1 0; R 0 0 a2 0; R 0 0 a3 0", block))
 
 
+def test_sums_of_angles_come_in_the_order_of_joints_whatever_the_hashes() -> None:
+    graph = solve(arm_of("standard", "; ".join(f"R 0 0 0.{length} 0" for length in range(3, 9))), ("x", "y"))
+    sums = [node.unknown.joints for node in graph.nodes if node.kind == "sum"]
+    assert sums[:3] == [(2, 3), (2, 3, 4), (2, 3, 4, 5)]
+
+
 def test_an_arm_of_many_joints_has_no_closed_form_and_says_why() -> None:
     graph = solve(Robot.load("human-body"))
     assert not graph.is_closed
