@@ -52,12 +52,6 @@ class Elementary:
     variable: str = ""  # of a joint; empty for a constant
     sign: int = 1  # factor of the variable
 
-    @property
-    def written(self) -> Expression:
-        """Its whole cell, with the variable."""
-        moving = (tree.multiply(tree.number(self.sign), Name(self.variable)),) if self.variable else ()
-        return tree.add(*moving, self.cell)
-
 
 def robot_of_transforms(text: str, name: str, convention: Convention = Convention.STANDARD) -> str:
     """The robot file of a product of elementary transforms, proven to have the same T."""
@@ -65,15 +59,14 @@ def robot_of_transforms(text: str, name: str, convention: Convention = Conventio
     comment = f"The product {' '.join(text.split())}, as a table with the same T (proven)."
     robot = Robot.from_text(robot_text(_table(product, name), [comment]), f"{name}.yaml")
     if convention is not robot.convention:
-        robot = converted(robot, convention).robot
-        robot = Robot.from_text(robot_text(robot, [comment]), f"{name}.yaml")
+        robot = Robot.from_text(robot_text(converted(robot, convention).robot, [comment]), f"{name}.yaml")
     # The proof: the table's T and the product of the transforms, multiplied out in one ring, are the same polynomials.
     domain = PolynomialDomain(robot, _atoms(product), rates=False)
     zero, one = domain.number(0), domain.number(1)
     ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
     pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
     if any(_cleared(a - b, domain) for a, b in pairs):
-        raise RobotFileError(f"a table for {quoted(text)}", allowed="allowed: transforms whose product the table has")
+        raise RobotFileError(f"a table for {quoted(text)}", remedy="write names for angles in numbers: Rz(beta)")
     return robot_text(robot, [comment])
 
 
@@ -91,12 +84,11 @@ def _read(text: str) -> Iterator[Elementary]:
         place = Location(_SOURCE, 1, match.end() + 1)
         found = _elementary(match["kind"] in "Rr", "xyz".index(match["axis"]), text[match.end() : end], place)
         if found.variable in seen:
-            found_twice = f"the variable {found.variable} twice"
-            raise ExpressionError(found_twice, allowed="allowed: each joint once", location=where)
+            twice = f"the variable {found.variable} twice"
+            raise ExpressionError(twice, allowed="allowed: each joint once", location=where)
         seen.update([found.variable] if found.variable else [])
         yield found
-        rest = text[end + 1 :]
-        offset = end + 1 + len(rest) - len(rest.lstrip(_BETWEEN))
+        offset = len(text) - len(text[end + 1 :].lstrip(_BETWEEN))
     if not seen:
         raise ExpressionError("no joint", allowed=_FORM, location=Location(_SOURCE, 1, 1))
 
@@ -104,9 +96,7 @@ def _read(text: str) -> Iterator[Elementary]:
 def _elementary(turns: bool, axis: int, text: str, place: Location) -> Elementary:
     degrees = re.fullmatch(r"([^a-z\u00b0]+?)\s*(?:deg|\u00b0)\s*", text) if turns else None
     cell = parse_expression(degrees[1] if degrees else text, place)
-    if degrees:
-        cell = tree.multiply(tree.number(Fraction(1, 180)), cell, Pi())
-    exact = decompose(cell)
+    exact = decompose(tree.multiply(tree.number(Fraction(1, 180)), cell, Pi()) if degrees else cell)
     moving = {unit: k for unit, k in exact.terms if isinstance(unit, Name) and _VARIABLE.fullmatch(unit.name)}
     rest = composed(replace(exact, terms=tuple(pair for pair in exact.terms if pair[0] not in moving)))
     if len(moving) > 1 or set(moving.values()) - {1, -1} or any(map(_VARIABLE.fullmatch, names(rest))):
@@ -160,7 +150,7 @@ class _Split:
 
 def _table(product: Sequence[Elementary], name: str) -> Description:
     words: list[list[Elementary]] = [[]]
-    moving: list[Elementary] = []
+    moving = [part for part in product if part.variable]
     for part in product:
         if not part.variable:
             words[-1].append(part)
@@ -169,7 +159,6 @@ def _table(product: Sequence[Elementary], name: str) -> Description:
         right = tree.multiply(tree.number(Fraction(1, 2)), Pi())
         before = {0: [Elementary(True, 1, right)], 1: [Elementary(True, 0, tree.negate(right))], 2: []}[part.axis]
         words[-1] += before
-        moving.append(part)
         words.append([replace(turn, cell=tree.negate(turn.cell)) for turn in before])
     # the constants before the first joint, and the motions along its axis at their end
     count = next((i for i, part in enumerate(reversed(words[0])) if part.axis != Z), len(words[0]))
@@ -209,6 +198,8 @@ def _split(word: Sequence[Elementary]) -> _Split:
     parts, turn = _without_right_angles(word)
     # Motions along the first axis leave to the left, those along the second, which is the image of z, to the right.
     axis, sign = _image(turn, Z)
+    front = list(takewhile(lambda part: part.axis == Z, parts)) if any(part.axis != Z for part in parts) else []
+    parts = [part for part in front if not part.turns] + parts[len(front) :]
     twist, beyond, parts = _peeled(parts, axis, 1)
     theta, d, parts = _peeled(parts, Z, -1)
     last, further, parts = _peeled(parts, axis, 1)  # what a turn about z has brought there
@@ -241,7 +232,7 @@ def _split(word: Sequence[Elementary]) -> _Split:
             v = tree.multiply(_signed(sign, part.cell), tree.power(_cosine(_plus(alpha, _angle(-1))), -1))
             d = _plus(d, tree.multiply(_cosine(_plus(alpha, tree.negate(phi))), v))
             beyond = _plus(beyond, tree.multiply(tree.MINUS_ONE, _cosine(phi), v))
-    return _Split(_plus(theta, _angle(k)), d, a, alpha, beyond, _plus(twist, _angle(n)))
+    return _Split(_plus(_sum(front, turns=True), theta, _angle(k)), d, a, alpha, beyond, _plus(twist, _angle(n)))
 
 
 def _cosine(angle: Expression) -> Expression:
@@ -259,8 +250,7 @@ def _cosine(angle: Expression) -> Expression:
 
 
 def _angle(quarters: int) -> Expression:
-    quarters = (quarters + 1) % 4 - 1  # from -1 to 2
-    return tree.multiply(tree.number(Fraction(quarters, 2)), Pi())
+    return tree.multiply(tree.number(Fraction((quarters + 1) % 4 - 1, 2)), Pi())  # from -pi/2 to pi
 
 
 def _without_right_angles(word: Sequence[Elementary]) -> tuple[list[Elementary], Permutation]:
@@ -295,30 +285,41 @@ def _peeled(parts: Sequence[Elementary], axis: int, side: int) -> tuple[Expressi
 
 def _turned(part: Elementary, axis: int, angle: Expression) -> list[Elementary]:
     """A translation after a turn about another axis."""
-    i = part.axis
-    j, sign = (3 - axis - i), 1 if (i - axis) % 3 == 1 else -1
     along = tree.multiply(_cosine(angle), part.cell)
-    across = _signed(sign, tree.multiply(_cosine(_plus(angle, _angle(-1))), part.cell))
-    return [replace(part, cell=along), replace(part, axis=j, cell=across)]
+    across = _signed(3 - 2 * ((part.axis - axis) % 3), tree.multiply(_cosine(_plus(angle, _angle(-1))), part.cell))
+    return [replace(part, cell=along), replace(part, axis=3 - axis - part.axis, cell=across)]
 
 
 # -- the proof
 
 
+def _whole(product: Sequence[Elementary]) -> Iterator[Elementary]:
+    """The product with constants along a joint's axis as one, where the table adds them: no ring adds numbers."""
+    first = next((part for part in product if part.variable), None)
+    runs: list[list[Elementary]] = []
+    for part in reversed(product):
+        last = runs[-1] if runs else []
+        is_full = any(p.variable for p in last) if part.variable else part.axis != Z and first in last
+        if not last or last[0].axis != part.axis or is_full:
+            runs.append([])
+        runs[-1].append(part)
+    for run in reversed(runs):
+        yield from (Elementary(turns, run[0].axis, _sum(run, turns=turns)) for turns in (True, False))
+        yield from (replace(part, cell=ZERO) for part in run if part.variable)
+
+
 def _atoms(product: Sequence[Elementary]) -> list[Expression]:
-    return [x for p in product for x in ([Call("cos", (p.cell,)), Call("sin", (p.cell,))] if p.turns else [p.cell])]
+    return [x for p in _whole(product) for x in ([Call(f, (p.cell,)) for f in ("cos", "sin")] if p.turns else [p.cell])]
 
 
 def _product(product: Sequence[Elementary], domain: PolynomialDomain) -> Frame[Polynomial]:
     zero, one = domain.number(0), domain.number(1)
-    unit, found = identity(zero, one), Frame(identity(zero, one), (zero, zero, zero))
-    for part in product:
-        if part.turns:
-            c, s = domain.cosine_sine(part.written)
-            found = found @ Frame(about_axis(part.axis, c, s, zero, one), (zero, zero, zero))
-        else:
-            x, y, z = (domain.constant(part.written) if axis == part.axis else zero for axis in range(3))
-            found = found @ Frame(unit, (x, y, z))
+    found = Frame(identity(zero, one), (zero, zero, zero))
+    for part in _whole(product):
+        cell = tree.multiply(tree.number(part.sign), Name(part.variable)) if part.variable else part.cell
+        c, s = domain.cosine_sine(cell if part.turns else ZERO)
+        x, y, z = (zero if part.turns or axis != part.axis else domain.constant(cell) for axis in range(3))
+        found = found @ Frame(about_axis(part.axis, c, s, zero, one), (x, y, z))
     return found
 
 

@@ -12,6 +12,7 @@ from derive.algebra.angles import decompose
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.transforms import robot_of_transforms
 from derive.robot.description import Convention
+from derive.robot.expression import to_text
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 from tests.exchange.urdfs import turned
@@ -27,6 +28,8 @@ PRODUCTS = [
     "Rz(q1) Rx(alpha) Tx(a) Ty(b) Tz(c) Rz(q2) Tz(d)",
     "Rz(q1) Ty(e) Ry(-alpha) Rx(pi/2) Tx(a) Ty(b) Tz(c) Rz(q2) Rx(pi/2) Tx(1) Ty(0.3)",
     "Rz(q1) Ry(b1) Tx(h) Ry(pi/6) Tx(a) Ty(-b) Rz(q2)",
+    "Rz(q1) Rz(30 deg) Tx(1) Rz(0.4) Rz(0.2) Rz(q2 + 0.1) Rx(0.3) Rx(0.2) Rz(q3)",
+    "Rx(0.3) Rx(q1 + 0.1) Rx(0.4) Tx(1) Ry(0.1) Ry(q2) Ry(0.3) Ry(q3 + 0.2) Ty(1) Ry(0.5)",
     "Ty(0.3) Rx(0.2) Rz(-q1 + pi/2) Tz(q2) Ty(0.1) Rx(pi/4) Tx(q3) Rx(0.3) Ty(1)",
 ]
 
@@ -63,6 +66,11 @@ def check(text: str, convention: Convention, rng: random.Random) -> Robot:
 @pytest.mark.parametrize("text", PRODUCTS)
 def test_the_table_has_the_pose_of_the_product(text: str, convention: Convention) -> None:
     check(text, convention, random.Random(text))
+
+
+def test_a_turn_before_the_offset_of_parallel_axes_is_part_of_the_angle_before() -> None:
+    rows = Robot.from_text(robot_of_transforms("Rz(q1) Rz(30 deg) Tx(a) Rz(beta) Rz(q2)", "arm")).joints
+    assert [(to_text(row.theta), to_text(row.a)) for row in rows] == [("pi/6", "a"), ("beta", "0")]
 
 
 def test_the_puma_gets_the_table_of_the_paper() -> None:

@@ -242,9 +242,8 @@ class GraphDerivation:
     def _append(self, unknowns: tuple[Unknown, ...], formulas: tuple[NodeFormula, ...]) -> int:
         """A new node, after the sums of angles that it needs, which come in an order that no hash decides."""
         needed = {name for formula in formulas for name in _names_of_formula(formula)}
-        owners = {name: unknown for unknown in self.domain.unknowns() for name in unknown.generators}
         parts = {part for formula in formulas for part, _ in formula.parts}
-        wanted = (parts | {owners[name] for name in needed if name in owners}) - set(unknowns)
+        wanted = (parts | {one for one in self.domain.unknowns() if needed & {*one.generators}}) - {*unknowns}
         needs = tuple(sorted({self._ensure(one) for one in sorted(wanted, key=lambda one: one.joints)}))
         index = len(self.nodes)
         self.nodes.append(Node(index, unknowns, formulas, needs, max(formula.branches for formula in formulas)))
