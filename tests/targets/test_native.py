@@ -25,6 +25,7 @@ from derive.targets.compiler import compile_shared, compiling_meanwhile, find_co
 from derive.targets.native import CODE, LIBRARY, MODULE, TARGET
 from derive.verification.generated import load_models
 from derive.verification.verify import verify
+from tests.robot.test_trees import TORSO
 from tests.targets.generated_models import FUNCTIONS, ONE_JOINT, STRICT, needs_compiler, planar
 
 pytestmark = needs_compiler
@@ -64,6 +65,18 @@ def test_both_modules_have_the_same_names_and_signatures_and_ufuncs_behind_them(
     q = np.asfortranarray(np.random.default_rng(0).uniform(-1, 1, (2, 7)))
     found = ufuncs["forward_kinematics"](q, axes=[0, (0, 1)])
     assert np.allclose(np.moveaxis(found, -1, 0), models.native.forward_kinematics(q.T), rtol=1e-14)
+
+
+def test_functions_of_the_ends_of_a_tree_take_the_name_of_an_end(tmp_path: Path) -> None:
+    models = built(Robot.from_text(TORSO), tmp_path)
+    q, numbers = np.linspace(0, 1, 5), dict.fromkeys(models.native.PARAMETERS, 0.7)
+    for end in models.native.ENDS:
+        pair = (module.jacobian(q, params=numbers, end=end) for module in (models.native, models.numpy))
+        np.testing.assert_allclose(*pair, rtol=1e-14, atol=1e-14)
+    with pytest.raises(ValueError, match=r"jacobian: end 'head'; allowed: left, right"):
+        models.native.jacobian(q, params=numbers, end="head")
+    own = {name for name in models.numpy.__all__ if "inverse_kinematics" not in name and name[0].islower()}
+    assert own <= {*models.native.__all__}
 
 
 def test_the_sources_compile_without_a_warning(models: Models, tmp_path: Path) -> None:
