@@ -12,7 +12,6 @@ from derive.algebra.angles import decompose
 from derive.errors import DeriveError, RobotFileError
 from derive.exchange.transforms import robot_of_transforms
 from derive.robot.description import Convention
-from derive.robot.expression import to_text
 from derive.robot.robot import Robot
 from derive.verification.oracle.frames import forward_kinematics, numeric_arm
 from tests.exchange.urdfs import turned
@@ -66,11 +65,6 @@ def check(text: str, convention: Convention, rng: random.Random) -> Robot:
 @pytest.mark.parametrize("text", PRODUCTS)
 def test_the_table_has_the_pose_of_the_product(text: str, convention: Convention) -> None:
     check(text, convention, random.Random(text))
-
-
-def test_a_turn_before_the_offset_of_parallel_axes_is_part_of_the_angle_before() -> None:
-    rows = Robot.from_text(robot_of_transforms("Rz(q1) Rz(30 deg) Tx(a) Rz(beta) Rz(q2)", "arm")).joints
-    assert [(to_text(row.theta), to_text(row.a)) for row in rows] == [("pi/6", "a"), ("beta", "0")]
 
 
 def test_the_puma_gets_the_table_of_the_paper() -> None:

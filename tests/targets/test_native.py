@@ -68,15 +68,14 @@ def test_both_modules_have_the_same_names_and_signatures_and_ufuncs_behind_them(
 
 
 def test_functions_of_the_ends_of_a_tree_take_the_name_of_an_end(tmp_path: Path) -> None:
-    models = built(Robot.from_text(TORSO), tmp_path)
-    q, numbers = np.linspace(0, 1, 5), dict.fromkeys(models.native.PARAMETERS, 0.7)
-    for end in models.native.ENDS:
-        pair = (module.jacobian(q, params=numbers, end=end) for module in (models.native, models.numpy))
+    _, native, numpy = built(Robot.from_text(TORSO), tmp_path)
+    q, numbers = np.linspace(0, 1, 5), dict.fromkeys(native.PARAMETERS, 0.7)
+    for end in native.ENDS:
+        pair = (module.jacobian(q, params=numbers, end=end) for module in (native, numpy))
         np.testing.assert_allclose(*pair, rtol=1e-14, atol=1e-14)
     with pytest.raises(ValueError, match=r"jacobian: end 'head'; allowed: left, right"):
-        models.native.jacobian(q, params=numbers, end="head")
-    own = {name for name in models.numpy.__all__ if "inverse_kinematics" not in name and name[0].islower()}
-    assert own <= {*models.native.__all__}
+        native.jacobian(q, params=numbers, end="head")
+    assert {name for name in numpy.__all__ if name[0].islower() and "inverse" not in name} <= {*native.__all__}
 
 
 def test_the_sources_compile_without_a_warning(models: Models, tmp_path: Path) -> None:

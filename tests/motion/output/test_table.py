@@ -11,18 +11,9 @@ import pytest
 from sympy import Abs, atan2, cos, pi, sign, sin, sqrt, tan
 
 from derive.motion.motion import Motion
+from derive.motion.output import printed
 from derive.motion.output.film import Film, frames_of, motion_normal
 from derive.motion.output.page import OPERATIONS, motion_page, playback, tree
-from derive.motion.output.printed import (
-    JOINT_HEADER,
-    csv_bytes,
-    joint_table,
-    samples,
-    simulated_table,
-    summary,
-    table,
-    violations,
-)
 from derive.plans.profile import TIME
 from tests.motion.plans import PICK_AND_PLACE, REACH, ROOT, swing
 
@@ -38,7 +29,7 @@ SPRUNG = swing("1", "kp: 400, kd: 40", ", speed: 1")
 
 
 def test_each_segment_has_a_row_with_the_joint_that_has_most_to_do() -> None:
-    rows = table(Motion.from_text(PICK_AND_PLACE))
+    rows = printed.table(Motion.from_text(PICK_AND_PLACE))
     peaks = "q1 5*pi/16 = 0.9817 rad/s | q1 5*sqrt(3)*pi/27 = 1.008 rad/s^2 | tau1 376.8 N m at 0.6172 s"
     assert " | ".join(rows[0]) == f"rest -> A | 3 s | {peaks} | 17.98 J"
     assert rows[1][2] == "q3 5/4 = 1.25 m/s"
@@ -46,26 +37,26 @@ def test_each_segment_has_a_row_with_the_joint_that_has_most_to_do() -> None:
 
 def test_each_joint_has_a_row_with_its_root_mean_square_its_power_and_its_work() -> None:
     motion = Motion.from_text(PICK_AND_PLACE)
-    rows = joint_table(motion)
+    rows = printed.joint_table(motion)
     assert len(rows) == 5 * 4
     load = motion.peaks[0].loads[1]
     assert rows[1][:3] == ("", "q2", "5*pi/16 = 0.9817 rad/s")
     assert rows[1][5:] == (f"{load.rms:.4g} N m", f"{load.power:.4g} W", f"{load.work:.4g} J")
     assert (rows[6][2], rows[6][4]) == ("5/4 = 1.25 m/s", "-70.94 N at 5.493 s")
-    assert all(len(row) == len(JOINT_HEADER) for row in rows)
+    assert all(len(row) == len(printed.JOINT_HEADER) for row in rows)
 
 
 def test_nothing_that_moves_is_said_so() -> None:
     text = PICK_AND_PLACE.replace("path: [rest, {to: A, time: 3}", "path: [rest, {to: rest, time: 1}")
-    assert table(Motion.from_text(text))[0][2:4] == ("none", "none")
+    assert printed.table(Motion.from_text(text))[0][2:4] == ("none", "none")
 
 
 def test_what_exceeds_a_limit_of_the_robot_or_of_the_plan_is_told_with_time_and_amount() -> None:
-    lines = violations(Motion.from_text(LIMITED.replace("SPEED", "2").replace("TORQUE", "100")))
+    lines = printed.violations(Motion.from_text(LIMITED.replace("SPEED", "2").replace("TORQUE", "100")))
     assert lines == ["q1: speed 3.75 rad/s at 0.5 s exceeds the limit 2 by 1.75 rad/s"]
-    assert violations(Motion.from_text(LIMITED.replace("SPEED", "3.75").replace("TORQUE", "100"))) == []
+    assert printed.violations(Motion.from_text(LIMITED.replace("SPEED", "3.75").replace("TORQUE", "100"))) == []
     text = LIMITED.replace("SPEED", "3").replace("TORQUE", "100") + "speed: [3.5]\nacceleration: [10]\n"
-    speed, acceleration = violations(Motion.from_text(text))
+    speed, acceleration = printed.violations(Motion.from_text(text))
     assert speed.endswith("exceeds the limit 3 by 0.75 rad/s")
     assert acceleration.startswith("q1: acceleration ")
     assert acceleration.endswith(" rad/s^2")
@@ -74,7 +65,7 @@ def test_what_exceeds_a_limit_of_the_robot_or_of_the_plan_is_told_with_time_and_
 def test_of_a_simulation_what_happens_is_compared() -> None:
     text = LIMITED.replace("SPEED", "3.7").replace("TORQUE", "100") + "control: {law: pd, kp: 300, kd: 30}\n"
     motion = Motion.from_text(text)
-    (line,) = [line for line in violations(motion, motion.simulate()) if "speed" in line]
+    (line,) = [line for line in printed.violations(motion, motion.simulate()) if "speed" in line]
     assert line.startswith("simulated q1: speed ")
     assert "exceeds the limit 3.7" in line
 
@@ -92,21 +83,21 @@ def test_a_torque_beyond_its_limit_is_found_where_it_is_largest() -> None:
 
 def test_samples_have_a_column_for_each_quantity_and_all_digits_in_the_file() -> None:
     motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "50"))
-    names, rows = samples(motion)
+    names, rows = printed.samples(motion)
     assert names == ("t", "q1", "qd1", "qdd1", "tau1")
     assert rows.shape == (401, 5)
     t, q, qd, qdd, tau = rows[37]
     assert tau == pytest.approx(qdd + 9.81 * np.cos(q), rel=1e-12)
     assert (q, qd) == pytest.approx(tuple(value[0] for value in motion(t)[:2]), rel=1e-12)
-    head, *lines = csv_bytes(motion).decode().splitlines()
+    head, *lines = printed.csv_bytes(motion).decode().splitlines()
     assert head == "t,q1,qd1,qdd1,tau1"
-    assert (np.array([[float(cell) for cell in line.split(",")] for line in lines]) == samples(motion)[1]).all()
+    assert (np.array([[float(cell) for cell in line.split(",")] for line in lines]) == printed.samples(motion)[1]).all()
 
 
 def test_rows_of_a_simulation_are_its_own() -> None:
     motion = Motion.from_text(LIMITED.replace("SPEED", "10").replace("TORQUE", "50") + "control: {law: none}\n")
     run = motion.simulate()
-    names, rows = samples(motion, run)
+    names, rows = printed.samples(motion, run)
     assert names == ("t", "q1", "qd1", "tau1", "energy", "work", "lost")
     assert (rows[:, 0] == run.t).all()
     assert (rows[:, 4] == run.energy).all()
@@ -117,7 +108,7 @@ def test_a_simulation_has_a_row_for_each_segment_that_it_reached() -> None:
     text = head + "path: [a, {to: b, time: 1/2}, {to: a, time: 1/2}]\ncontrol: {law: pd, kp: 400, kd: 40}\n"
     motion = Motion.from_text(text)
     run = motion.simulate()
-    rows = simulated_table(motion, run)
+    rows = printed.simulated_table(motion, run)
     assert [row[0] for row in rows] == ["a -> b", "b -> a"]
     half = int(np.abs(run.t - 0.5).argmin())
     assert rows[1][3] == f"{run.work[-1] - run.work[half]:.4g} J"
@@ -128,13 +119,13 @@ def test_a_simulation_has_a_row_for_each_segment_that_it_reached() -> None:
 def test_work_of_a_simulation_is_that_of_its_motors_also_where_a_body_is_taken_up() -> None:
     text = LIMITED.replace("speed: SPEED, torque: TORQUE", "").replace("time: 3}", "time: 3, payload: 2}")
     motion = Motion.from_text(text + "control: {law: computed-torque, kp: 100, kd: 20}\n")
-    planned = [row[-1] for row in table(motion)]
-    assert [row[3] for row in simulated_table(motion, motion.simulate())] == planned
+    planned = [row[-1] for row in printed.table(motion)]
+    assert [row[3] for row in printed.simulated_table(motion, motion.simulate())] == planned
 
 
 def test_exact_peaks_stand_beside_their_decimals() -> None:
     motion = Motion.from_text(PICK_AND_PLACE, "p.yaml")
-    found = summary(motion)
+    found = printed.summary(motion)
     assert json.loads(json.dumps(found, allow_nan=False)) == found
     first = found["segments"][0]
     assert (found["plan"], found["duration"], found["samples"]) == ("p.yaml", 15.0, 1501)
@@ -146,7 +137,7 @@ def test_exact_peaks_stand_beside_their_decimals() -> None:
 
 
 def test_what_was_sampled_has_no_exact_value_and_an_arm_without_links_no_torque() -> None:
-    found = summary(Motion.load("skeleton-reach"))
+    found = printed.summary(Motion.load("skeleton-reach"))
     (segment,) = found["segments"]
     assert "exact" not in segment["joints"]["q4"]["speed"]
     assert "work" not in segment
@@ -156,7 +147,7 @@ def test_what_was_sampled_has_no_exact_value_and_an_arm_without_links_no_torque(
 def test_a_simulation_has_its_ledger_and_the_largest_errors() -> None:
     motion = Motion.from_text(SPRUNG.replace("law: pd", "law: pd-gravity"))
     run = motion.simulate()
-    found = summary(motion, run)
+    found = printed.summary(motion, run)
     assert found["simulation"]["reached"]
     assert found["simulation"]["largest_errors"]["q1"] == abs(run.q - motion(run.t)[0]).max()
     (violation,) = found["violations"]
