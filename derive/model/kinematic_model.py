@@ -383,9 +383,15 @@ class KinematicModel(TreeModel):
         rows, n, _ = task_rows(self.robot), self.n, self.jacobian_columns  # which refuses long arms
         columns = jacobian_columns(self.kinematics, Reference(first if is_natural else None))
         places = product(combinations(rows, min(len(rows), n)), combinations(columns, min(len(rows), n)))
-        blocks = (determinant([[column[row] for column in some] for row in chosen]) for chosen, some in places)
+        blocks = [determinant([[column[row] for column in some] for row in chosen]) for chosen, some in places]
         minors = [self.form.determinant(block) for block in blocks if block]
-        return sympy.Abs(sympy.Add(*minors)) if len(minors) < 2 else sympy.sqrt(sympy.Add(*(m**2 for m in minors)))
+        if len(minors) < 2:
+            return sympy.Abs(sympy.Add(*minors))
+        if max(map(len, blocks)) <= 2:  # s^2 + c^2 = 1 may make one square of short ones
+            whole = sum((block * block for block in blocks), 0 * blocks[0])
+            if len(whole) == 1:
+                return sympy.Abs(sympy.powdenest(sympy.sqrt(self.form.determinant(whole)), force=True))
+        return sympy.sqrt(sympy.Add(*(m**2 for m in minors)))
 
     @cached_property
     def singularities(self) -> Singularities:

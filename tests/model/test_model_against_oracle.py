@@ -251,3 +251,7 @@ def test_the_analytic_jacobian_of_a_planar_arm_is_refused_for_zyz_and_given_for_
     with pytest.raises(QuantityError, match="singular in every configuration"):
         model.J_analytic("zyz")
     assert model.J_analytic("rpy")[5, :] == sympy.ones(1, 3)
+
+
+def test_the_manipulability_of_one_joint_is_the_length_of_its_link() -> None:
+    assert str(Model(robot_of_rows("R a: a1")).quantity("manipulability")) == "Abs(a1)"
