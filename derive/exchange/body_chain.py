@@ -57,7 +57,6 @@ class RigidBody:
         # Its second moments along its principal axes, (A + B - C)/2 and so on, become at least some part of its largest
         # moment: each adds what it lacks to the moments about both other axes.
         moments, axes = self.principal
-        # Second moments along the axes: (A + B + C)/2 - A and so on, none of which is negative for a body.
         lack = np.maximum(inside * moments[2] - moments.sum() / 2 + moments, 0)
         body = self
         for axis, own in zip((axes.x, axes.y, axes.z), lack, strict=True):

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import accumulate
+from itertools import accumulate, pairwise
 from math import atan2, hypot
 from typing import Any
 from xml.sax.saxutils import escape
@@ -172,13 +172,11 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
     """The file as MJCF."""
     gravity, radius = arm.robot.gravity, THICKNESS * arm.size
     nested = _nested(arm, radius)
-    bodies = [body for _, body in nested]
-    depths = [depth for depth, _ in nested] + [0]
     lines = []
-    for body, depth, following in zip(bodies, depths, depths[1:], strict=False):
+    for (depth, body), (following, _) in pairwise([*nested, (0, {})]):
         ended = ["  " * (k + 2) for k in range(depth, following - 1, -1)]  # bodies that end behind this one
         lines.append(("  " * (depth + 2), body, ended))
-    joints = [joint for body in bodies for joint in body["joints"]]
+    joints = [joint for _, body in nested for joint in body["joints"]]
     undriven = {xml_text(label) for label in (*arm.ties.driven, *arm.ties.passive)}
     rotors = []
     names = [xml_text(segment.joint.label) for segment in arm.segments]
@@ -196,7 +194,7 @@ def mjcf_text(arm: BodyChain, head: list[str]) -> str:
         density=DENSITY,
         bodies=lines,
         motors=[joint for joint in joints if joint["name"] not in undriven],
-        threads=[body["first"] for body in bodies if body["first"] and body["first"]["thread"]],
+        threads=[body["first"] for _, body in nested if body["first"] and body["first"]["thread"]],
         rotors=rotors,
         **_equations(arm, [joint["name"] for joint in joints]),
         radius=f"{radius:.3g}",

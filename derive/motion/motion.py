@@ -20,16 +20,9 @@ from derive.motion.curves.limits import Bounds, Function, Violation, bounds_of, 
 from derive.motion.curves.trajectory import Trajectory, curves_of, followed, read_recording
 from derive.motion.paths.hand import Hand
 from derive.motion.paths.segments import trajectory_of
+from derive.motion.torques import functions
 from derive.motion.torques.base_torques import BaseCurve, BaseTorques, carried_body
-from derive.motion.torques.functions import (
-    LEAST_INTERVALS,
-    Functions,
-    arm_of,
-    check_numbers,
-    joint_positions,
-    loads,
-    reached_of,
-)
+from derive.motion.torques.functions import LEAST_INTERVALS, Functions
 from derive.plans.catalogue import plan_text, waypoints
 from derive.plans.cells import PATHS, TIME_NAME
 from derive.plans.plan import Plan, load_plan, plan_from_bytes
@@ -88,7 +81,8 @@ class Motion:
         motion = cls(plan)
         motion._samples_in(motion.duration)
         if plan.robot.loops:
-            _, closed, missing = joint_positions(plan.robot, motion(motion.times)[0], motion.values, motion.reached)
+            q = motion(motion.times)[0]
+            _, closed, missing = functions.joint_positions(plan.robot, q, motion.values, motion.reached)
             of_first = missing[~closed][:1].tolist()  # zero of loops with formulas
             what = f"are open by {of_first[0]:.3g} [m, or entries of rotations]" if any(of_first) else "do not close"
             motion._check_loops(motion.times, closed, what)
@@ -184,7 +178,7 @@ class Motion:
     @cached_property
     def reached(self) -> Reached | None:
         """Where loops without formulas were closed on the way; None where there are none."""
-        return reached_of(self.plan.robot)
+        return functions.reached_of(self.plan.robot)
 
     @property
     def has_torques(self) -> bool:
@@ -215,9 +209,9 @@ class Motion:
             QuantityError: A symbol has no number, or there is no such end.
         """
         times, ends = np.asarray(t, dtype=float), self.plan.robot.ends
-        robot, places = arm_of(self.plan.robot, ends[0].name if len(ends) == 1 and not end else end)
-        functions = Functions(robot, frozenset({"forward_kinematics"}), self.values, reached=self.reached)
-        arm = functions("forward_kinematics", self(times)[0][..., list(places)])
+        robot, places = functions.arm_of(self.plan.robot, ends[0].name if len(ends) == 1 and not end else end)
+        computed = Functions(robot, frozenset({"forward_kinematics"}), self.values, reached=self.reached)
+        arm = computed("forward_kinematics", self(times)[0][..., list(places)])
         return arm if self.base is None else self.base(times.reshape(-1), 0).reshape(*times.shape, 4, 4) @ arm
 
     def _check_loops(self, times: Array, fine: Flags, what: str) -> None:
@@ -328,7 +322,7 @@ class Motion:
             if self.has_torques:
                 count, end = self._samples_in(float(segment.duration))[1], float(segment.start + segment.duration)
                 corners = segment.corners if len(segment.corners) <= LEAST_INTERVALS else ()
-                of_drives = loads(float(segment.start), end, count, _state, corners)
+                of_drives = functions.loads(float(segment.start), end, count, _state, corners)
             found.append(SegmentPeaks(segment, speeds, accelerations, of_drives[:n], *of_drives[n:]))
         return tuple(found)
 
@@ -425,4 +419,4 @@ class Motion:
     def _check_dynamics(self) -> None:
         if not (robot := self.plan.robot).has_dynamics:
             raise QuantityError(f"{robot.name} has no dynamics", remedy="write its links into the robot file")
-        check_numbers(free_symbols(robot), self.values, robot.name, self.plan.places["robot"])
+        functions.check_numbers(free_symbols(robot), self.values, robot.name, self.plan.places["robot"])

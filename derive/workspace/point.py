@@ -251,5 +251,4 @@ def _solved(columns: Array, right: Array, damping: Array) -> Array:
     a = np.sum(columns[0] ** 2, axis=0) + damping
     b = np.sum(columns[0] * columns[1], axis=0)
     c = np.sum(columns[1] ** 2, axis=0) + damping
-    determinant = a * c - b * b
-    return np.asarray(np.stack([c * right[0] - b * right[1], a * right[1] - b * right[0]]) / determinant)
+    return np.asarray(np.stack([c * right[0] - b * right[1], a * right[1] - b * right[0]]) / (a * c - b * b))

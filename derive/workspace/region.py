@@ -70,7 +70,8 @@ class Area:
     @property
     def volume(self) -> Measure:
         """Of the solid of which it is a section, turned once around the axis [m^3]."""
-        return self.measured(_revolved)
+        # the theorem of Pappus; an empty area has no centroid
+        return self.measured(lambda area: 0.0 if area.is_empty else math.tau * float(area.centroid.x * area.area))
 
 
 def shapely() -> Any:
@@ -223,8 +224,3 @@ def _whole(region: Region, revolves: bool) -> Region:
     if not revolves:
         return region
     return shapely().unary_union([region, shapely().transform(region, lambda points: points * (-1.0, 1.0))])
-
-
-def _revolved(region: Region) -> float:
-    """The volume of an area beside the axis that turns once around it, by the theorem of Pappus [m^3]."""
-    return 0.0 if region.is_empty else math.tau * float(region.centroid.x * region.area)

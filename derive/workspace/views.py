@@ -248,8 +248,7 @@ class _Search:
             shares.append(float(np.sum(areas.is_reached(space, places[:, inside], _SEEDS))) / _PLACES)
         # Twice the standard error of the mean of the estimates.
         box = float(np.prod(sides))
-        error = 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5
-        whole = Measure(box * float(np.mean(shares)), error)
+        whole = Measure(box * float(np.mean(shares)), 2.0 * box * float(np.std(shares)) / (_ESTIMATES - 1) ** 0.5)
         return whole, whole if first.dexterous is first.reachable else None
 
 

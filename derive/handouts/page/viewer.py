@@ -180,7 +180,6 @@ def _target(dragged: Dragging, names: Sequence[str], text: Text, notation: Notat
     """Texts of the controls of the target: its coordinates, those that stay, and the branches."""
     across = (0.0, 0.0, 0.0) if dragged.normal is None else dragged.normal
     axes = [{"name": axis, "fixed": bool(abs(part) > 1.0 - 1e-9)} for axis, part in zip("xyz", across, strict=True)]
-
     plain = lambda tex: "".join(run.text for run in label_runs(tex)).strip()  # noqa: E731
     words = (html_text(branch_name(text, notation, name, plain)) for name in names)
     return {"axes": axes, "branches": [{"index": k, "name": word} for k, word in enumerate(words) if word]}

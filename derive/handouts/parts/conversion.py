@@ -34,8 +34,7 @@ def conversion(context: Context) -> Iterator[Block]:
     _ = context.text
     tree.require_chain(context.robot, "the table of the other convention")
     found = convert(context.robot)
-    other = Robot.of(found.result)
-    new = Context(ModelEntries(Model(other)), context.options, _, policy=context.policy)
+    new = Context(ModelEntries(Model(Robot.of(found.result))), context.options, _, policy=context.policy)
     yield context.paragraph(
         "The standard and the modified convention multiply the same motions $\\mathbf{Z}_i$ and the same constant "
         "factors $\\mathbf{X}_i$, in other brackets:"

@@ -132,7 +132,6 @@ def branch_name(text: Text, notation: Notation, name: str, plain: Callable[[str]
         Word.WRIST: _("wrist not flipped"),
         Word.WRIST_FLIPPED: _("wrist flipped"),
     }
-
     parts = []
     for part in name.split(", "):
         if side := _SIDE_OF_ZERO.fullmatch(part):

@@ -38,17 +38,10 @@ from derive.mechanics.regressor import with_unit_rotors
 from derive.mechanics.regrouping import regroup
 from derive.mechanics.vectors import S, axial_tensor, scale, steiner
 from derive.model.identification.unit_dynamics import UnitDynamics
-from derive.robot import tree
+from derive.robot import inertial_parameters, tree
 from derive.robot.description import IDENTITY, Link, Motor
 from derive.robot.expression import ZERO, Expression, add, multiply, power, substitute, to_text
-from derive.robot.inertial_parameters import (
-    FRICTION_PARTS,
-    JOINT_PARTS,
-    LINK_PARTS,
-    Parameter,
-    coulomb_parts,
-    standard_parameters,
-)
+from derive.robot.inertial_parameters import FRICTION_PARTS, JOINT_PARTS, LINK_PARTS, Parameter
 from derive.robot.robot import Robot
 
 REVOLUTE_PARTS = ("mx", "my", "Ixx", "Izz", "Ixy", "Ixz", "Iyz")
@@ -150,8 +143,7 @@ def base_set(robot: Robot) -> BaseSet:
         return found
     symbolic = _base_set(robot, {})
     # A relation in symbols is preferred where it says the same and no denominator vanishes for the numbers.
-    same = symbolic.parameters == found.parameters and symbolic.proven
-    if not same or symbolic.domain is None:
+    if symbolic.parameters != found.parameters or not symbolic.proven or symbolic.domain is None:
         return found
     denominators = {c.denominator for relation in symbolic.relations for _, c in relation.terms}
     values = (exact_number(polynomial_expression(d, symbolic.domain), numbers) for d in denominators)
@@ -162,7 +154,7 @@ def _base_set(robot: Robot, numbers: Mapping[str, Expression]) -> BaseSet:
     # What the general rule leaves, in the order in which columns are preferred.
     parts = [REVOLUTE_PARTS if joint.is_revolute else PRISMATIC_PARTS for joint in robot.joints]
     candidates = [Parameter(i, part) for i, row in enumerate(parts, start=1) for part in row]
-    own, absorbed = standard_parameters(robot), absorbed_rotors(robot)
+    own, absorbed = inertial_parameters.standard_parameters(robot), absorbed_rotors(robot)
     candidates += [p for p in own if p.part == "Ia"]
     candidates += [p for p in own if p.part == "Im" and p.joint not in absorbed]
     # b*qd and f*sign(qd) are independent of all others: no column of B or g is odd in one velocity, or jumps. Among
@@ -360,7 +352,7 @@ def _value(p: Parameter, robot: Robot, bodies: Sequence[Body[S]], domain: Domain
     link = robot.links[p.joint - 1]
     motor = link.motor or Motor()
     cells = {"mm": motor.mass, "Im": motor.inertia, "Ia": link.armature, "b": link.viscous}
-    cells |= coulomb_parts(link)
+    cells |= inertial_parameters.coulomb_parts(link)
     return domain.constant(cells[p.part])
 
 

@@ -31,15 +31,9 @@ from derive.lecture.form import LectureForm
 from derive.lecture.sympy_conversion import Expr, expression_to_sympy
 from derive.mechanics.exact import JacobianColumn, Kinematics, Reference, jacobian_columns
 from derive.mechanics.vectors import column, dot
+from derive.model.singularities import singularities
 from derive.model.singularities.rank import RealZeros, Zero, rank_loss
-from derive.model.singularities.singularities import (
-    Condition,
-    JacobianBlock,
-    Outcome,
-    Posture,
-    SingularFactor,
-    Singularities,
-)
+from derive.model.singularities.singularities import Condition, JacobianBlock, Outcome, SingularFactor, Singularities
 from derive.robot.expression import ONE, ZERO, Number, number
 from derive.robot.options.inverse import FREEDOMS, POSE, TASKS
 from derive.robot.options.style import Contraction, Style
@@ -299,9 +293,9 @@ def zero_condition(
     articulated = all(joint.is_revolute for joint in robot.joints[:3]) and (has_wrist or is_position)
     elbow = any({1, 2} <= set(group) and 0 not in group for group in domain.groups)
     if has_wrist and joints == (4,):
-        posture = Posture.WRIST
+        posture = singularities.Posture.WRIST
     elif articulated and elbow:
-        posture = {(2,): Posture.ELBOW, (1, 2): Posture.SHOULDER}.get(joints)
+        posture = {(2,): singularities.Posture.ELBOW, (1, 2): singularities.Posture.SHOULDER}.get(joints)
     certain = exists is True or bool(values)
     return Condition(expression, variable, values, posture, tuple(j + 1 for j in joints), certain)
 

@@ -244,8 +244,7 @@ class MotionCode:
             pairs = [f"({kind}, ({row}))" for kind, row in zip(kinds, rows, strict=True)]
             joints.append({"variable": c_comment(variable), "kinds": wrapped(kinds), "rows": rows, "pairs": pairs})
         counts = np.cumsum([0, *(len(pieces) for _, pieces in self._pieces)])
-        segments = motion.trajectory.segments
-        spans = [(each.name, float(each.start), float(each.start + each.duration)) for each in segments]
+        spans = [(s.name, float(s.start), float(s.start + s.duration)) for s in motion.trajectory.segments]
         title = plan.title or f"A motion of {plan.robot.title or plan.robot.name}"
         return {
             "title": c_comment(title),

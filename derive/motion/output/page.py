@@ -167,7 +167,6 @@ def _played_run(motion: Motion, run: Run) -> PlayedRun:
     times = run.t[kept]
     if kept.size == 1:  # given up before the second row
         kept, times = np.zeros(2, dtype=int), np.append(times, times + motion.sample)
-
     rows = (values[kept] for values in (run.q, run.qd, run.tau))
     q, qd, tau = (tuple(tuple(float(f"{x:.{DIGITS}g}") for x in row) for row in values) for values in rows)
     return PlayedRun(tuple(times.tolist()), q, qd, tau, motion.plan.control.law, motion.plan.friction, run.reached)

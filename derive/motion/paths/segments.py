@@ -35,8 +35,7 @@ def trajectory_of(plan: Plan, hand: Hand) -> Trajectory:
         times, joints = _run(hand, run, len(segments), corners, start)
         ends = [f"{a} -> {b}" for a, b in pairwise(names)]
         segments += [Segment(ends[i], times[i], times[i + 1] - times[i], joints[i]) for i in range(len(run))]
-        name, start = names[-1], times[-1]
-        here = corners[-1]
+        name, here, start = names[-1], corners[-1], times[-1]
         if run[0].follows:  # where the last pieces end
             here = tuple(symbolic(track[-1].values[1][0]) for track in joints[-1] if not isinstance(track[-1], Curve))
     return Trajectory(tuple(segments))
