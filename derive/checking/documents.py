@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from derive.checking.latex.typography import Spelled, blank, spelled, without_comments
-from derive.checking.plain_text import CODE, DRAWN, LISTED, ROWS, from_plain_text, is_equation
+from derive.checking.plain_text import CODE, from_plain_text, is_equation, is_listed
 from derive.errors import CheckError, Location, near_miss, quoted
 
 KINDS = {".tex": "LaTeX", ".md": "Markdown", ".rst": "reStructuredText", ".markdown": "Markdown"}
@@ -204,11 +204,7 @@ def _markdown(text: str) -> str:
             return blank(match[0][:begin]) + _CODE.sub(without_code, match["body"]) + blank(match[0][end:])
         if match["inline"] and is_equation(match["inline"]):
             return f"{CODE}{match['inline']}{CODE}"
-        if (
-            match["fence"]
-            and language in ("", "text")
-            and LISTED.fullmatch(DRAWN.sub("M = M\n", ROWS.sub("M", match["body"])))
-        ):
+        if match["fence"] and language in ("", "text") and is_listed(match["body"]):
             return blank(match[0][:begin]) + match["body"] + blank(match[0][end:])
         return blank(match[0])
 

@@ -12,7 +12,7 @@ _NAME = rf"(?:{_LETTER}[\w'\u0307\u0308]{{0,12}}|(?:cos|sin|det)[ \t]*\(?\w+\)?)
 _FUNCTIONS = r"(?:arc|a)?(?:sin|cos|tan|sen|tg)2?"
 # Equations in a block of code, one in each line, with nothing that programs alone have.
 _SIDES = r"(?:=(?!=)(?:[^=\n#;:\"`.\[\ue005]|(?<=\d)\.(?=\d))+)+"
-LISTED = re.compile(rf"(?:[ \t]*(?:{_NAME}[ \t]*{_SIDES})?\n)+")
+_LISTED = re.compile(rf"(?:[ \t]*(?:{_NAME}[ \t]*{_SIDES})?\n)+")
 _BETWEEN_WORDS = re.compile(rf"{_NAME}[ \t]*{_SIDES}")
 # A line that is an equation: a name, an equals sign, and no two words side by side.
 _EQUATION = re.compile(
@@ -26,13 +26,13 @@ _TYPED = re.compile(
 )
 # Rows in brackets, J = [[a, b], [c, d]], behind each other or below each other.
 _ROW = r"\[[^\[\]\n=]+\]"
-ROWS = re.compile(rf"\[[ \t]*{_ROW}(?:[ \t]*,?[ \t]*\n?[ \t]*{_ROW})+[ \t]*\]")
+_ROWS = re.compile(rf"\[[ \t]*{_ROW}(?:[ \t]*,?[ \t]*\n?[ \t]*{_ROW})+[ \t]*\]")
 _MATRIX = re.compile(
-    rf"^(?P<left>[ \t]*{_LETTER}\w{{0,9}}(?:\([\w, ]*\))?[ \t]*=[ \t]*)(?P<rows>{ROWS.pattern})", re.MULTILINE
+    rf"^(?P<left>[ \t]*{_LETTER}\w{{0,9}}(?:\([\w, ]*\))?[ \t]*=[ \t]*)(?P<rows>{_ROWS.pattern})", re.MULTILINE
 )
 _BRACKETED = re.compile(r"\[([^\[\]]+)\]")
 # Matrices drawn over lines, a row of each on every line, between them on one line what they are: J = [a  b] [u]
-DRAWN = re.compile(r"^(?:[^\[\]\n]*=[ \t]*\n)?(?:[^\[\]\n]*(?:\[[^\[\]\n=]+\][ \t=]*)+(?:\n|\Z)){2,}", re.MULTILINE)
+_DRAWN = re.compile(r"^(?:[^\[\]\n]*=[ \t]*\n)?(?:[^\[\]\n]*(?:\[[^\[\]\n=]+\][ \t=]*)+(?:\n|\Z)){2,}", re.MULTILINE)
 _DIRECTIVE = re.compile(
     r"^(?P<indent>[ \t]*)\.\. math::[ \t]*(?P<line>[^\n]*)\n(?P<body>(?:[ \t]*\n|(?P=indent)[ \t]+\S[^\n]*(?:\n|\Z))*)",
     re.MULTILINE,
@@ -63,6 +63,11 @@ def is_equation(code: str) -> bool:
     return bool(_BETWEEN_WORDS.fullmatch(code) and (_TYPED.search(code) or re.search("[\u03b1-\u03c9]", code)))
 
 
+def is_listed(block: str) -> bool:
+    """Whether a block of code is a list of equations."""
+    return bool(_LISTED.fullmatch(_DRAWN.sub("M = M\n", _ROWS.sub("M", block))))
+
+
 def from_plain_text(text: str) -> Spelled:
     """The equations of a text without mathematics between signs, each a display."""
     found = rewritten((text, range(len(text))), _DIRECTIVE, _display)
@@ -71,7 +76,7 @@ def from_plain_text(text: str) -> Spelled:
     is_signed = re.search(r"\$|\\\(|\\\[|\\begin\{(?!\w?matrix|array|cases)", found[0])
     if not is_signed and "\\begin" in found[0]:  # LaTeX that was copied without the marks around it
         return rewritten(found, _PARAGRAPH, lambda m: f"$${m[0].strip()}$$\n" if "=" in m[0] else m[0])
-    found = rewritten(found, DRAWN, _drawn)
+    found = rewritten(found, _DRAWN, _drawn)
     found = rewritten(found, _MATRIX, lambda m: f"$${m['left'].strip()} {_matrix(_BRACKETED.findall(m['rows']))}$$")
     outside = re.sub(r"(?s)\$\$.*?\$\$|\\\[.*?\\\]|\\begin\{(\w+)\*?\}.*?\\end\{\1\}", lambda m: blank(m[0]), found[0])
 

@@ -66,7 +66,10 @@ def robot_of_transforms(text: str, name: str, convention: Convention = Conventio
     ours, theirs = forward_kinematics(build_chain(robot, domain)), _product(product, domain)
     pairs = zip(chain(*ours.rows(zero, one)), chain(*theirs.rows(zero, one)), strict=True)
     if any(_cleared(a - b, domain) for a, b in pairs):
-        raise RobotFileError(f"a table for {quoted(text)}", remedy="write names for angles in numbers: Rz(beta)")
+        raise RobotFileError(
+            f"no table is proven to have the product {quoted(text)}",
+            remedy="write names for angles in numbers: Rz(beta)",
+        )
     return robot_text(robot, [comment])
 
 
@@ -286,7 +289,8 @@ def _peeled(parts: Sequence[Elementary], axis: int, side: int) -> tuple[Expressi
 def _turned(part: Elementary, axis: int, angle: Expression) -> list[Elementary]:
     """A translation after a turn about another axis."""
     along = tree.multiply(_cosine(angle), part.cell)
-    across = _signed(3 - 2 * ((part.axis - axis) % 3), tree.multiply(_cosine(_plus(angle, _angle(-1))), part.cell))
+    sign = 1 if (part.axis - axis) % 3 == 1 else -1
+    across = _signed(sign, tree.multiply(_cosine(_plus(angle, _angle(-1))), part.cell))
     return [replace(part, cell=along), replace(part, axis=3 - axis - part.axis, cell=across)]
 
 

@@ -17,10 +17,10 @@ from derive.robot.robot import Robot
 from derive.robot.task_rows import task_rows
 
 _has_links = attrgetter("has_dynamics")
-# What functions of arms with links have in common, what poses and Jacobians of ends, and what is good as traced.
+# What functions of arms with links have in common, what poses and Jacobians of ends, and what needs no search.
 _OF_LINKS: dict[str, Any] = {"exists": _has_links, "margin": POLICY.dynamics_margin}
 _OF_ENDS: dict[str, Any] = {"margin": POLICY.kinematics_margin, "of_end": True}
-_AS_TRACED: dict[str, Any] = {"margin": 1.0, "search": False, "of_end": True}
+_UNSEARCHED: dict[str, Any] = {"margin": 1.0, "search": False, "of_end": True}
 
 
 # Axes of a wrench, what the names of their functions end in, and the axes in words.
@@ -108,7 +108,7 @@ ROWS = (
         "entry r, i, j: d J_ri / d q_j; dJ/dt is H qd",
         kinematics.hessians,
         exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.loops,
-        **_AS_TRACED,
+        **_UNSEARCHED,
     ),
     *(
         _row(
@@ -230,7 +230,7 @@ ROWS = (
             "volume to which J takes unit rates: sqrt(det(J J^T)), |det J| if square",
             partial(kinematics.manipulabilities, part),
             exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.coupled,
-            **_AS_TRACED,
+            **_UNSEARCHED,
         )
         for part, what in (("all", "task"), ("position", "position"), ("orientation", "orientation"))
     ),
@@ -240,7 +240,7 @@ ROWS = (
         "d w / d q_j; where w = 0 of an oblong J no finite numbers",
         kinematics.manipulability_gradients,
         exists=lambda robot: robot.n <= POLICY.most_derivatives and not robot.coupled,
-        **_AS_TRACED,
+        **_UNSEARCHED,
     ),
     *(
         row
@@ -260,7 +260,7 @@ ROWS = (
                 f"row i, column j: d tau_h_i / d q_j at a constant wrench in the axes of the {axes}",
                 partial(kinematics.wrench_torque_derivatives, frame),
                 exists=lambda robot: robot.has_dynamics and robot.n <= POLICY.most_derivatives and not robot.loops,
-                **_AS_TRACED,
+                **_UNSEARCHED,
             ),
         )
     ),

@@ -28,6 +28,7 @@ from derive.robot.robot import Robot
 NEAR = 0.5  # more than this part of its names and functions a near formula shares with ours, or with what repairs it
 AMONG = 3  # right formulas of a kind for each one that is far from ours, which make these certain
 _FAR = "as {} it would be wrong in more than one place, and so would most of its kind: it may mean something else"
+_LETTER = re.compile(r"\s*\\?[A-Za-z]+(?:_\{?\w+\}?)?\s*")
 _NAMED = "as {} it would be wrong, and it is a letter for what is 0 here: it may mean something else"
 _SIDES_DIFFER = "its sides differ in more than one place, as too many here do: a name may mean something else"
 DIGITS = 5  # units of the last printed digit by which numbers may differ: authors round what they go on with
@@ -199,10 +200,11 @@ def certain(findings: Sequence[Finding], begins: Sequence[Location]) -> tuple[tu
     doubted = [f for f in findings if matrix(f) in strange and not f.verdict.equal]
     doubted += [f for f in rare if not (f.role is Role.IDENTITY and far_kinds[_kind(f)] == 1)]
     zeros = [f for f in far if not f.column and f.question and f.question.printed == tree.ZERO and f not in doubted]
-    doubted += (named := [f for f in zeros if f.text[0] not in "0-"])
+    doubted += (named := [f for f in zeros if _LETTER.fullmatch(f.text)])
     firsts = [next(group) for _, group in groupby(doubted, key=matrix)]
-    why = ((f, _NAMED if f in named else _FAR) for f in firsts)
-    reasons = (_SIDES_DIFFER if f.role is Role.IDENTITY else reason.format(f.entry) for f, reason in why)
+    reasons = (
+        _SIDES_DIFFER if f.role is Role.IDENTITY else (_NAMED if f in named else _FAR).format(f.entry) for f in firsts
+    )
     told = tuple(Skipped(f.location, reason, f.text) for f, reason in zip(firsts, reasons, strict=True))
     return tuple(f for f in findings if f not in doubted), told
 

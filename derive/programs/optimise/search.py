@@ -356,7 +356,8 @@ class Search:
             if network.work > self._limit:
                 return
             cost, mark, own = network.cost, network.mark(), network.users.get(variable, {})
-            # Squares may be hidden in products, and in sums that are used once: those are written out first.
+            # Squares may be hidden in products, and in sums that are used once: those are written out first; `own`, the
+            # row of users itself, follows.
             users = [(v, p) for v, p in network.polynomials() if v in own]
             hidden = [v for v, _ in users if len(network.users[v]) == 1] + [v for v, p in users if len(p) == 1]
             for inner in dict.fromkeys(hidden):  # products and single-use sums in which a square may hide

@@ -13,7 +13,7 @@ from derive.algebra.angles import composed, decompose
 from derive.errors import QuantityError
 from derive.inverse.closed.unknowns import turned
 from derive.programs.tape.graph import ONE, Graph, Ref, is_negative, negated, node_of
-from derive.programs.tape.graph import ZERO as NOTHING
+from derive.programs.tape.graph import ZERO as ZERO_VALUE
 from derive.programs.tape.tape import PARAMETER, Op
 from derive.robot.description import Joint, coupling
 from derive.robot.expression import ZERO, Call, Expression, Name, Number, Pi, Power, Product, Sum, substitute
@@ -91,7 +91,7 @@ class Value:
 
     def __bool__(self) -> bool:
         """Whether it is anything but the constant zero."""
-        return self.ref != NOTHING
+        return self.ref != ZERO_VALUE
 
     def __repr__(self) -> str:
         """``v7``, or ``-v7``."""
